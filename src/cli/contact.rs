@@ -312,7 +312,6 @@ fn picture(
         Panel::new(
             "y from the track centre, wheelset in the middle (mm)",
             "height, the wheel lifted (mm)",
-            false,
             vec![
                 Series::line("points that touch", lines, RED, Dash::Solid),
                 Series::line("wheel", wheel, DARK, Dash::Solid),
@@ -322,13 +321,11 @@ fn picture(
         Panel::new(
             "lateral shift (mm)",
             "rolling-radius difference (mm)",
-            false,
             vec![Series::line("rolling-radius difference", difference, BLUE, Dash::Solid)],
         ),
-        Panel::new(
+        Panel::from_zero(
             "amplitude (mm)",
             "equivalent conicity",
-            true,
             vec![Series::line("equivalent conicity", conicity, DARK, Dash::Dashed)],
         ),
     ];

@@ -239,7 +239,7 @@ pub(super) fn sketched(name: &str, sketch: &Sketch) -> String {
         series.push(mark.labelled(vec![(n + 1).to_string()]));
     }
     let label = |which: &str| format!("{which} coordinate (mm), {}", sketch.axes);
-    let panel = Panel::new(&label("first"), &label("second"), false, series);
+    let panel = Panel::new(&label("first"), &label("second"), series);
     stacked_with_notes(760, 560, &[panel], &notes)
 }
 
@@ -284,7 +284,7 @@ fn figure(curves: Vec<(String, ProfileCurve, Vec<Mark>)>, listed: &Listed) -> St
         shapes.push(series(height));
         curvatures.push(series(1.1 * top));
     }
-    let panel = |y_label: &str, series| Panel::new("y to the field side (mm)", y_label, false, series);
+    let panel = |y_label: &str, series| Panel::new("y to the field side (mm)", y_label, series);
     let panels = [panel("height \u{2212}z (mm)", shapes), panel("curvature (1/mm)", curvatures)];
     stacked_with_notes(760, 320, &panels, &listed.notes)
 }

@@ -180,7 +180,7 @@ fn tangents(sides: &[&Side; 2], reference: &str) -> String {
     stacked(
         WIDTH,
         360,
-        &[Panel::new("load P, kN", "tangent stiffness dP/d\u{3b4}, 10\u{2076} kN/m", true, series)],
+        &[Panel::from_zero("load P, kN", "tangent stiffness dP/d\u{3b4}, 10\u{2076} kN/m", series)],
     )
 }
 
@@ -196,7 +196,7 @@ fn displacements(sides: &[&Side; 2], reference: &str) -> String {
         }));
         series
     });
-    stacked(WIDTH, 340, &[Panel::new("displacement \u{3b4}, mm", "load P, kN", true, series)])
+    stacked(WIDTH, 340, &[Panel::from_zero("displacement \u{3b4}, mm", "load P, kN", series)])
 }
 
 fn horizontal(sides: &[&Side; 2]) -> String {
@@ -217,7 +217,7 @@ fn horizontal(sides: &[&Side; 2]) -> String {
         let marks = Series::marks(&named(n, &side.stiffness.study), points, color, marker).sampled(dash);
         constant.into_iter().chain([bars, marks]).collect()
     });
-    stacked(WIDTH, 240, &[Panel::new("vertical preload, kN", "dQ/dy, 10\u{2076} kN/m", true, series)])
+    stacked(WIDTH, 240, &[Panel::from_zero("vertical preload, kN", "dQ/dy, 10\u{2076} kN/m", series)])
 }
 
 /// Loads that both have at a shift, some of them from the smallest to the largest, kN.
@@ -267,7 +267,7 @@ fn by_angle(sides: &[&Side; 2], reference: &str) -> Option<String> {
             ]
         });
         let label = format!("k at {} kN, 10\u{2076} kN/m", number(*load));
-        Panel::new("lateral shift of the wheelset, and contact angles of A and B", &label, true, series)
+        Panel::from_zero("lateral shift of the wheelset, and contact angles of A and B", &label, series)
     };
     let panels: Vec<Panel> = loads.iter().map(panel).collect();
     Some(stacked_over_names(WIDTH, 235, &panels, &[], &names))
@@ -280,7 +280,7 @@ fn patch(sides: &[&Side; 2]) -> String {
             let points = side.load_curve.iter().map(|row| (row.force_kn, value(row))).collect();
             vec![Series::joined(&named(n, &side.stiffness.study), points, color, dash, marker)]
         });
-        Panel::new("load P, kN", name, true, series)
+        Panel::from_zero("load P, kN", name, series)
     };
     stacked(
         WIDTH,
@@ -304,7 +304,7 @@ fn forces(sides: &[&Side; 2], scenario: &str) -> String {
                 .map(|row| (row.time, value(row) / KILONEWTON));
             vec![Series::line(&named(n, &side.stiffness.study), points.collect(), color, dash)]
         });
-        Panel::new("time, s", label, true, series)
+        Panel::from_zero("time, s", label, series)
     };
     stacked(
         WIDTH,

@@ -28,9 +28,14 @@ pub struct Panel {
 }
 
 impl Panel {
-    /// Curves over axes with these labels; `from_zero`: the vertical axis shows zero.
-    pub fn new(x_label: &str, y_label: &str, from_zero: bool, series: Vec<Series>) -> Self {
-        Self { x_label: x_label.into(), y_label: y_label.into(), from_zero, series }
+    /// Curves over axes with these labels.
+    pub fn new(x_label: &str, y_label: &str, series: Vec<Series>) -> Self {
+        Self { x_label: x_label.into(), y_label: y_label.into(), from_zero: false, series }
+    }
+
+    /// The same with a vertical axis that shows zero.
+    pub fn from_zero(x_label: &str, y_label: &str, series: Vec<Series>) -> Self {
+        Self { from_zero: true, ..Self::new(x_label, y_label, series) }
     }
 }
 
@@ -413,7 +418,7 @@ mod tests {
     fn logarithmic_figures_leave_out_what_has_no_logarithm() {
         let points = vec![(1e4, 0.1), (1e5, 0.0), (1e6, 10.0)];
         let series = vec![Series::line("time", points, GREY, Dash::Solid)];
-        let panel = Panel { x_label: "x".into(), y_label: "t (s)".into(), from_zero: false, series };
+        let panel = Panel::new("x", "t (s)", series);
         let figure = stacked_logarithmic(400, 200, &[panel], &[]);
         assert!(figure.contains("1000000") && !figure.contains("NaN") && !figure.contains("inf"));
     }

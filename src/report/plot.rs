@@ -129,17 +129,7 @@ impl Series {
 
     /// Markers without a line.
     pub fn marks(name: &str, points: Vec<(f64, f64)>, color: RGBColor, marker: Marker) -> Self {
-        Self {
-            name: name.into(),
-            points,
-            color,
-            dash: Dash::None,
-            marker,
-            sample: None,
-            width: LINE,
-            labels: Vec::new(),
-            filled: false,
-        }
+        Self { marker, ..Self::line(name, points, color, Dash::None) }
     }
 
     /// Markers joined by a line.

@@ -12,7 +12,7 @@ use crate::results::names::{LOAD_CURVE, PATCHES, STIFFNESS, VERIFICATION};
 use crate::results::patches::record::PatchesRecord;
 use crate::results::run::input::{SimpleRunInput, SpringsInput};
 use crate::results::run::record::{RUN_NOTE, RunRecord, SpringsRecord, SpringsSource};
-use crate::results::run::stage::{Other, Run, Runs, SIMPLE, SOLID, history_file, of_element};
+use crate::results::run::stage::{Other, Run, Runs, SIMPLE, SOLID, history_files, of_element};
 use crate::results::run::{history_csv, springs};
 use crate::results::springs::make::Calibration;
 use crate::results::springs::record::{LoadCurveRow, StiffnessRecord};
@@ -91,14 +91,7 @@ impl StudyRun<'_> {
     /// The runs of the simple model with their springs, and the study's springs if one of them ran with them.
     pub(crate) fn stored_simple_runs(&mut self) -> Result<(Option<StiffnessRecord>, Vec<SimpleRun>)> {
         let all_from_files = !self.study.scenarios.is_empty()
-            && self.study.scenarios.keys().all(|name| {
-                let run = self
-                    .engine
-                    .results
-                    .entry(&history_file(self.solids.input.main_case, name, SIMPLE[0]))
-                    .and_then(|entry| entry.note::<RunRecord>(RUN_NOTE));
-                run.is_some_and(|run| from_file(&run))
-            });
+            && self.study.scenarios.keys().all(|name| self.run_from_file(name).is_some());
         let stiffness = if all_from_files { None } else { Some(self.stored_stiffness()?) };
         let runs = self
             .study
@@ -109,6 +102,12 @@ impl StudyRun<'_> {
         Ok((stiffness, runs))
     }
 
+    /// What is noted of a run of the simple model with the springs of a law file, if it is one.
+    fn run_from_file(&self, case: &str) -> Option<RunRecord> {
+        let [file, _] = history_files(self.solids.input.main_case, case, SIMPLE);
+        self.engine.results.entry(&file)?.note(RUN_NOTE).filter(from_file)
+    }
+
     /// A run of the simple model with the springs that it should have: those of a law file, as `simulate --law` has
     /// noted them, or else the study's own.
     fn stored_simple_run(
@@ -117,14 +116,8 @@ impl StudyRun<'_> {
         name: &str,
         scenario: &StudyScenario,
     ) -> Result<SimpleRun> {
-        let files = SIMPLE.map(|stem| history_file(self.solids.input.main_case, name, stem));
-        let noted = self
-            .engine
-            .results
-            .entry(&files[0])
-            .and_then(|entry| entry.note::<RunRecord>(RUN_NOTE))
-            .filter(from_file);
-        let springs = match (noted.and_then(|run| run.springs), stiffness) {
+        let files = history_files(self.solids.input.main_case, name, SIMPLE);
+        let springs = match (self.run_from_file(name).and_then(|run| run.springs), stiffness) {
             (Some(springs), _) => (springs, None),
             (None, Some(stiffness)) => self.springs_of(stiffness)?,
             (None, None) => self.stored_springs()?,
@@ -152,14 +145,14 @@ impl StudyRun<'_> {
         if let Some(reason) = judged.and_then(|judged| judged.missing.clone()) {
             return Ok(of(reason));
         }
-        let files = of_element(element).map(|stem| history_file(self.solids.input.main_case, name, &stem));
+        let files = history_files(self.solids.input.main_case, name, of_element(element));
         let address = SimpleRunInput::of(self.study, scenario).other_address(&springs);
         Ok(Other { element, run: Ok(self.stored_run(&files, scenario, address.key(), "simulate")?) })
     }
 
     /// A run of the solid model.
     pub(crate) fn stored_solid_run(&mut self, name: &str, scenario: &StudyScenario) -> Result<Run> {
-        let files = SOLID.map(|stem| history_file(self.solids.input.main_case, name, stem));
+        let files = history_files(self.solids.input.main_case, name, SOLID);
         let address = self.solids.input.run(scenario).address(self.solids.reach()?);
         let run = self.stored_run(&files, scenario, address.key(), "verify")?;
         let entry = self.engine.results.entry(&files[0]);

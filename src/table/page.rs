@@ -119,12 +119,11 @@ fn over_angle(rows: &Rows, loads: &[&str]) -> Vec<Value> {
     if series.is_empty() {
         return Vec::new();
     }
-    let panel = Panel {
-        x_label: "contact angle at the first touch, degrees".into(),
-        y_label: "tangent stiffness, 10\u{2076} kN/m".into(),
-        from_zero: true,
+    let panel = Panel::from_zero(
+        "contact angle at the first touch, degrees",
+        "tangent stiffness, 10\u{2076} kN/m",
         series,
-    };
+    );
     let svg = stacked(WIDTH, 330, &[panel]);
     let every = rows.rows.len().div_ceil(POINTS);
     let some = if every > 1 { format!(" Every {every}th place is drawn.") } else { String::new() };

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use railspring_profiles::error::{Error, InputError, Result};
+use railspring_profiles::error::{InputError, Result, or_reason};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -166,11 +166,8 @@ impl Work {
             Step::Condense { entry } => condensed(&case, entry),
             Step::Press { shifts_mm, prepared } => self.pressed(&case, shifts_mm, prepared),
         };
-        let answer = match answer {
-            Err(Error::Interrupted) => return Err(Error::Interrupted),
-            Err(error) => Answer { refused: Some(error.to_string()), ..Answer::default() },
-            Ok(answer) => answer,
-        };
+        let refused = |reason| Answer { refused: Some(reason), ..Answer::default() };
+        let answer = or_reason(answer)?.unwrap_or_else(refused);
         // a result that the store does not keep goes nowhere
         let absent = |entry: &&String| !store.path().join(entry).is_file();
         if let Some(absent) = answer.entries.iter().find(absent) {

@@ -73,15 +73,8 @@ impl<'a> SolidsInput<'a> {
 
     /// What a load case on the solids is made from.
     pub fn run(&self, case: &'a StudyScenario) -> SolidRunInput<'a> {
-        let Statics { rail, wheel, track, mesh, window_given, element, contact, .. } = self.statics;
         SolidRunInput {
-            rail,
-            wheel,
-            track,
-            mesh,
-            window_given,
-            element,
-            contact,
+            pair: PairInput::of(self.statics),
             error_band: self.statics.wants_error_band(),
             solid: self.solid,
             damping: self.damping,
@@ -95,9 +88,9 @@ pub fn calibration_address(statics: Statics<'_>, output: &OutputKeys) -> Address
     Address::of(Kind::Calibration, &(statics, output))
 }
 
-/// What a load case on the solids is made from.
+/// The pair as solids, without what is asked of it.
 #[derive(Debug, Clone, Copy, Serialize)]
-pub struct SolidRunInput<'a> {
+pub struct PairInput<'a> {
     /// The rail.
     pub rail: &'a Rail,
     /// The wheel.
@@ -112,6 +105,22 @@ pub struct SolidRunInput<'a> {
     pub element: ElementKey,
     /// Contact between the solids.
     pub contact: ContactSettings,
+}
+
+impl<'a> PairInput<'a> {
+    /// That of the statics of a pair.
+    pub fn of(statics: Statics<'a>) -> Self {
+        let Statics { rail, wheel, track, mesh, window_given, element, contact, .. } = statics;
+        Self { rail, wheel, track, mesh, window_given, element, contact }
+    }
+}
+
+/// What a load case on the solids is made from.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct SolidRunInput<'a> {
+    /// The pair.
+    #[serde(flatten)]
+    pub pair: PairInput<'a>,
     /// Whether it is tried on other grids and meshes, which say what it is worth.
     pub error_band: bool,
     /// The solid model in time.

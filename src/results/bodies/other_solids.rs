@@ -84,7 +84,7 @@ impl OtherSolids<'_> {
         let scenario = Scenario { inner_steps, ..self.scenario.clone() };
         // a finer grid takes several times as long, and changes the least of all
         let first = TransientModel::first_of(&scenario);
-        let (_, field) = self.input.contact.of_solids();
+        let (_, field) = self.input.pair.contact.of_solids();
         let on_finer_grid = || {
             let finer = (field == ContactField::Hybrid).then_some(ContactField::HybridHalved);
             finer.map(|finer| or_reason(self.run(&first, own.both(), meshes.options(), finer))).transpose()
@@ -110,7 +110,7 @@ impl OtherSolids<'_> {
     ) -> Result<History> {
         let Self { input, geometry, modes, .. } = *self;
         let path = path_on(&input, geometry, options, (bodies[0], scenario, modes))?;
-        let contact = (input.contact.of_solids().0, field);
+        let contact = (input.pair.contact.of_solids().0, field);
         let count = ModeCount::Given(modes);
         let model = TransientModel::reduced(&geometry.pair, bodies, count, input.damping, contact);
         let model = match &path {
@@ -128,10 +128,10 @@ pub(crate) fn path_on(
     options: &MeshOptions,
     (rail, scenario, modes): (&CondensedBody, &Scenario, usize),
 ) -> Result<Option<RailPath>> {
-    let length = input.rail.length;
+    let length = input.pair.rail.length;
     let wanted = RailPath::is_wanted(scenario, length);
     let of = (length, modes);
-    let (material, element) = (&input.rail.material, input.element.formulation());
+    let (material, element) = (&input.pair.rail.material, input.pair.element.formulation());
     let path = || RailPath::new(&geometry.pair, rail, options, material, element, of);
     wanted.then(path).transpose()
 }

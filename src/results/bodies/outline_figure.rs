@@ -59,7 +59,7 @@ pub(crate) fn figure(width: u32, bodies: &[BodyOutline; 2]) -> String {
         Series::line("assumed", lines(|body| &body.outline), GREY, Dash::Dashed),
         Series::line("measured", lines(|body| &body.measured), DARK, Dash::Solid).broad(),
     ];
-    let panel = Panel::new("y from the track centre (mm)", "height \u{2212}z (mm)", false, series);
+    let panel = Panel::new("y from the track centre (mm)", "height \u{2212}z (mm)", series);
     stacked(width, width, &[panel])
 }
 

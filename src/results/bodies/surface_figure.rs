@@ -220,11 +220,10 @@ pub fn figure(width: u32, surface: &OnStandard, notes: &[String]) -> String {
     let changed: Vec<&OffStandard> = surface.changed.iter().map(|p| &p.read).collect();
     marks("changed", &changed, RED, Marker::Triangle);
     let panels = [
-        Panel::new("y to the field side (mm)", "height \u{2212}z (mm)", false, section),
-        Panel::new(
+        Panel::new("y to the field side (mm)", "height \u{2212}z (mm)", section),
+        Panel::from_zero(
             "along the standard from the start of its running surface (mm)",
             "material missing, normal to it (mm)",
-            true,
             missing,
         ),
     ];

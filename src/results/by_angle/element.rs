@@ -2,16 +2,13 @@
 
 use nalgebra::{Matrix3, Vector3};
 use railspring_profiles::error::InputError;
-use railspring_profiles::units::MILLIMETRE;
+use railspring_profiles::units::{GIGAPASCAL, MILLIMETRE};
 use railspring_simulate::element::condensed::parts::{
     ElasticWheel, EndPlace, HeldEnd, Influence, PairElement, RimMode, StripModulus, StripPlace,
     StripStiffness,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-
-/// One GPa in Pa.
-const GIGAPASCAL: f64 = 1e9;
 
 /// One µm·mm/kN in m²/N.
 const MICROMETRE_MILLIMETRE_PER_KILONEWTON: f64 = 1e-12;

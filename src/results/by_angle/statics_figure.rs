@@ -66,12 +66,10 @@ pub fn statics(laws: &StiffnessByAngleRecord) -> Option<String> {
         let drawn = points.iter().any(|(_, y)| y.is_finite());
         drawn.then(|| Series::joined(model.name, points, color, dash, marker))
     };
-    let panel = |y_label: &str, from_zero: bool, series: Vec<Series>| Panel {
-        x_label: "lateral shift of the wheelset and contact angle; within each, the load along the normal"
-            .into(),
-        y_label: y_label.into(),
-        from_zero,
-        series,
+    let panel = |y_label: &str, from_zero: bool, series: Vec<Series>| {
+        let x_label =
+            "lateral shift of the wheelset and contact angle; within each, the load along the normal";
+        Panel { from_zero, ..Panel::new(x_label, y_label, series) }
     };
     let hub = |k: usize| {
         MODELS.iter().filter_map(|model| curve(model, &|load| Some((model.hub)(load)?[k]))).collect()

@@ -265,17 +265,12 @@ fn elastic_checks(
     checks: &mut Vec<Check>,
 ) {
     let problem = format!("{name}, same mesh and element");
-    let jacobian = theirs.smallest_jacobian;
-    checks.push(Check::new(
-        &problem,
-        &format!("{name}: sign of the smallest Jacobian determinant"),
-        None,
-        "1",
-        (1.0, jacobian.signum()),
-        reference_solver,
-        (1.0 - jacobian.signum()).abs(),
-        (ROUNDOFF, Cause::Roundoff),
-    ));
+    let mut check = |quantity: &str, unit: &str, values: (f64, f64), difference: f64| {
+        let (quantity, limit) = (format!("{name}: {quantity}"), (ROUNDOFF, Cause::Roundoff));
+        checks.push(Check::new(&problem, &quantity, None, unit, values, reference_solver, difference, limit));
+    };
+    let sign = theirs.smallest_jacobian.signum();
+    check("sign of the smallest Jacobian determinant", "1", (1.0, sign), (1.0 - sign).abs());
     let largest = |field: &[Vector3<f64>]| field.iter().map(Vector3::norm).fold(0.0, f64::max);
     let scale = largest(&body.displacement);
     let difference = if displacement.len() == body.displacement.len() {
@@ -283,16 +278,9 @@ fn elastic_checks(
     } else {
         f64::NAN
     };
-    checks.push(Check::new(
-        &problem,
-        &format!("{name}: nodal displacements under given forces, largest difference"),
-        None,
-        "mm",
-        (scale / MILLIMETRE, largest(displacement) / MILLIMETRE),
-        reference_solver,
-        difference / scale,
-        (ROUNDOFF, Cause::Roundoff),
-    ));
+    let values = (scale / MILLIMETRE, largest(displacement) / MILLIMETRE);
+    let quantity = "nodal displacements under given forces, largest difference";
+    check(quantity, "mm", values, difference / scale);
     for (k, own) in body.compliance.iter().enumerate() {
         let size = |column: &[f64]| column.iter().map(|v| v.abs()).fold(0.0, f64::max);
         let theirs = theirs.compliance_columns.get(k).map_or(&[][..], Vec::as_slice);
@@ -301,16 +289,8 @@ fn elastic_checks(
         } else {
             f64::NAN
         };
-        checks.push(Check::new(
-            &problem,
-            &format!("{name}: compliance columns, largest difference"),
-            None,
-            "mm/kN",
-            (size(own) * KILONEWTON / MILLIMETRE, size(theirs) * KILONEWTON / MILLIMETRE),
-            reference_solver,
-            difference / size(own),
-            (ROUNDOFF, Cause::Roundoff),
-        ));
+        let values = (size(own) * KILONEWTON / MILLIMETRE, size(theirs) * KILONEWTON / MILLIMETRE);
+        check("compliance columns, largest difference", "mm/kN", values, difference / size(own));
     }
 }
 
@@ -334,48 +314,33 @@ fn curve_checks(
         Case::SameMesh | Case::SameMeshFriction => (DISCRETISATION_DISPLACEMENT, DISCRETISATION_TANGENT),
     };
     for (own, theirs) in curve.points.iter().zip(&theirs.rows) {
-        let load = Some(own.force);
-        let mut relative =
-            |quantity: &str, unit: &str, factor: f64, values: (f64, f64), limit: (f64, Cause)| {
-                checks.push(Check::new(
-                    problem,
-                    quantity,
-                    load,
-                    unit,
-                    (values.0 / factor, values.1 / factor),
-                    reference_solver,
-                    (values.1 / values.0 - 1.0).abs(),
-                    limit,
-                ));
-            };
-        relative("load", "kN", KILONEWTON, (own.force, theirs.load_n), (ROUNDOFF, Cause::Roundoff));
-        relative(
-            HUB_DISPLACEMENT,
-            "mm",
-            MILLIMETRE,
-            (own.displacement, theirs.hub_m),
-            (displacement, Cause::Discretisation),
-        );
-        relative(
-            TANGENT_STIFFNESS,
-            "kN/m",
-            KILONEWTON_PER_METRE,
-            (own.solid_tangent, theirs.tangent_n_per_m),
-            (tangent, Cause::Discretisation),
-        );
-        if case == Case::SecondOrder {
-            continue;
+        let mut check = |(quantity, unit, factor), (tool, other): (f64, f64), difference, limit| {
+            let values = (tool / factor, other / factor);
+            let load = Some(own.force);
+            checks.push(Check::new(
+                problem,
+                quantity,
+                load,
+                unit,
+                values,
+                reference_solver,
+                difference,
+                limit,
+            ));
+        };
+        let relative = |(tool, other): (f64, f64)| (other / tool - 1.0).abs();
+        let values = (own.force, theirs.load_n);
+        check(("load", "kN", KILONEWTON), values, relative(values), (ROUNDOFF, Cause::Roundoff));
+        let (values, limit) = ((own.displacement, theirs.hub_m), (displacement, Cause::Discretisation));
+        check((HUB_DISPLACEMENT, "mm", MILLIMETRE), values, relative(values), limit);
+        let (values, limit) = ((own.solid_tangent, theirs.tangent_n_per_m), (tangent, Cause::Discretisation));
+        check((TANGENT_STIFFNESS, "kN/m", KILONEWTON_PER_METRE), values, relative(values), limit);
+        if case != Case::SecondOrder {
+            let quantity = ("contact area, difference in rings of elements", "mm²", SQUARE_MILLIMETRE);
+            let values = (own.contact_area, theirs.area_m2);
+            let rings = (own.contact_area - theirs.area_m2).abs() / (perimeter(own) * contact_element);
+            check(quantity, values, rings, (DISCRETISATION_RINGS, Cause::Discretisation));
         }
-        checks.push(Check::new(
-            problem,
-            "contact area, difference in rings of elements",
-            load,
-            "mm²",
-            (own.contact_area / SQUARE_MILLIMETRE, theirs.area_m2 / SQUARE_MILLIMETRE),
-            reference_solver,
-            (own.contact_area - theirs.area_m2).abs() / (perimeter(own) * contact_element),
-            (DISCRETISATION_RINGS, Cause::Discretisation),
-        ));
     }
 }
 

@@ -1,15 +1,11 @@
 //! What a cross-check is made from.
 
-use railspring_calibrate::mesh::MeshOptions;
 use serde::Serialize;
 
 use crate::engine::store::{Address, Kind};
 use crate::hash::key;
-use crate::results::bodies::input::SolidsInput;
-use crate::study::{
-    CalibrationSettings, ContactSettings, ElementKey, FieldKey, Rail, ReferenceKey, Statics, Study, Track,
-    Wheel,
-};
+use crate::results::bodies::input::{PairInput, SolidsInput};
+use crate::study::{CalibrationSettings, FieldKey, ReferenceKey, Statics, Study};
 
 /// The statics of a pair with a contact between the elements of its meshes, which is what other programs have; without what they are not asked for.
 #[derive(Debug, Clone)]
@@ -50,21 +46,9 @@ impl<'a> CrosscheckInput<'a> {
     }
 
     fn questions(&self) -> Questions<'_> {
-        let Statics { rail, wheel, track, mesh, window_given, element, contact, calibration, .. } =
-            self.statics();
-        let CalibrationSettings { loads, horizontal_preloads, reference, .. } = calibration;
-        Questions {
-            rail,
-            wheel,
-            track,
-            mesh,
-            window_given,
-            element,
-            contact,
-            loads,
-            horizontal_preloads,
-            reference: *reference,
-        }
+        let statics = self.statics();
+        let CalibrationSettings { loads, horizontal_preloads, reference, .. } = statics.calibration;
+        Questions { pair: PairInput::of(statics), loads, horizontal_preloads, reference: *reference }
     }
 
     /// Address of the answers of some programs to some questions.
@@ -76,13 +60,8 @@ impl<'a> CrosscheckInput<'a> {
 /// What the questions and the tool's answers depend on.
 #[derive(Serialize)]
 struct Questions<'a> {
-    rail: &'a Rail,
-    wheel: &'a Wheel,
-    track: Track,
-    mesh: &'a MeshOptions,
-    window_given: bool,
-    element: ElementKey,
-    contact: ContactSettings,
+    #[serde(flatten)]
+    pair: PairInput<'a>,
     loads: &'a [f64],
     /// Contact zones are as long as the largest of these loads asks for, too.
     horizontal_preloads: &'a [f64],

@@ -50,12 +50,7 @@ pub fn forces(run: &ScenarioRun<'_>) -> String {
         let width = |band: &Band| -> Vec<Option<f64>> {
             band.forces[which].iter().map(|width| width.map(|width| width / KILONEWTON)).collect()
         };
-        Panel {
-            x_label: "time, s".into(),
-            y_label: format!("{name} {symbol}, kN"),
-            from_zero: true,
-            series: curves(run, points, width),
-        }
+        Panel::from_zero("time, s", &format!("{name} {symbol}, kN"), curves(run, points, width))
     };
     stacked(
         WIDTH,
@@ -77,26 +72,26 @@ pub fn ratio(run: &ScenarioRun<'_>, window: f64) -> String {
     stacked(
         WIDTH,
         300,
-        &[Panel {
-            x_label: "time, s".into(),
-            y_label: format!("Q/P averaged over {} ms", round(window * 1e3)),
-            from_zero: true,
-            series: curves(run, points, |band| band.ratio.clone()),
-        }],
+        &[Panel::from_zero(
+            "time, s",
+            &format!("Q/P averaged over {} ms", round(window * 1e3)),
+            curves(run, points, |band| band.ratio.clone()),
+        )],
     )
 }
 
 /// Lateral and vertical displacement of the wheel centre, of all models.
 pub fn wheel(run: &ScenarioRun<'_>) -> String {
-    let panel = |name: &str, value: fn(&HistoryRow) -> f64| Panel {
-        x_label: "time, s".into(),
-        y_label: name.into(),
-        from_zero: true,
-        series: curves(
-            run,
-            |of| of.history.rows.iter().map(|row| (row.time, value(row) / MILLIMETRE)).collect(),
-            |_| Vec::new(),
-        ),
+    let panel = |name: &str, value: fn(&HistoryRow) -> f64| {
+        Panel::from_zero(
+            "time, s",
+            name,
+            curves(
+                run,
+                |of| of.history.rows.iter().map(|row| (row.time, value(row) / MILLIMETRE)).collect(),
+                |_| Vec::new(),
+            ),
+        )
     };
     stacked(
         WIDTH,

@@ -244,12 +244,13 @@ pub fn simulate_solid(
     monitor: &dyn Monitor,
 ) -> Result<(TransientRun, Tried)> {
     let pair = &geometry.pair;
-    let contact = input.contact.of_solids();
+    let contact = input.pair.contact.of_solids();
     let scenario = Scenario { inner_steps: input.solid.steps(), ..input.case.clone() };
     if input.solid.transient == TransientKey::Full {
         let meshes = [&meshes.rail, &meshes.wheel];
-        let damped = [&input.rail.materials, &input.wheel.materials].map(|own| own.damped(input.damping));
-        let element = input.element.formulation();
+        let damped =
+            [&input.pair.rail.materials, &input.pair.wheel.materials].map(|own| own.damped(input.damping));
+        let element = input.pair.element.formulation();
         let model = TransientModel::of_pair(pair, meshes, damped.each_ref(), element, contact);
         let run = model.run(&scenario, monitor)?;
         let tried = tried(&scenario, &run, "", Vec::new());

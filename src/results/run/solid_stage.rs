@@ -28,7 +28,7 @@ use crate::results::bodies::zones::{self, Reached, Within};
 use crate::results::names::OF_THE_RUNS;
 use crate::results::run::make::{self, Tried};
 use crate::results::run::record::RunRecord;
-use crate::results::run::stage::{Run, SOLID, artefact, files, history_file, run};
+use crate::results::run::stage::{Run, SOLID, artefact, files, history_files, run};
 use crate::results::springs::stage::FoundOn;
 use crate::study::StudyScenario;
 
@@ -73,12 +73,7 @@ impl Stage for SimulateSolid<'_, '_> {
     }
 
     fn files(&self, artefact: &Artefact, value: &Run, key: &str) -> Vec<NewFile> {
-        files(
-            SOLID.map(|stem| history_file(self.solids.input.main_case, self.name, stem)),
-            artefact,
-            value,
-            key,
-        )
+        files(history_files(self.solids.input.main_case, self.name, SOLID), artefact, value, key)
     }
 
     fn outdates(&self) -> &'static [&'static str] {

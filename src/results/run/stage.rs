@@ -1,8 +1,9 @@
 //! The load cases on the simple model as stages, and what the runs of both models have in common.
 
+use std::fmt::Display;
 use std::path::Path;
 
-use railspring_profiles::error::{Error, Result};
+use railspring_profiles::error::{Error, Result, or_reason};
 use railspring_simulate::time::history::{Ending, History};
 
 use crate::engine::list::NewFile;
@@ -69,13 +70,7 @@ pub(crate) struct Simulate<'s, 'a> {
 }
 
 /// The same in the contact element that the study has not chosen, with its springs.
-pub(crate) struct SimulateOther<'s, 'a> {
-    pub solids: &'s mut Solids<'a>,
-    pub input: SimpleRunInput<'s>,
-    pub name: &'s str,
-    pub scenario: &'s StudyScenario,
-    pub springs: &'s SpringsRecord,
-}
+pub(crate) struct SimulateOther<'s, 'a>(pub Simulate<'s, 'a>);
 
 /// The contact element that the study has not chosen.
 pub(crate) struct Other {
@@ -103,7 +98,7 @@ impl Stage for Simulate<'_, '_> {
     }
 
     fn make(&mut self, _: &mut Engine<'_>) -> Result<Made> {
-        simple_run(self.solids, &self.input, self.name, self.springs).map(Made::whole)
+        self.run().map(Made::whole)
     }
 
     fn value(&mut self, artefact: &Artefact, _: &str) -> Result<Run> {
@@ -111,12 +106,7 @@ impl Stage for Simulate<'_, '_> {
     }
 
     fn files(&self, artefact: &Artefact, value: &Run, key: &str) -> Vec<NewFile> {
-        files(
-            SIMPLE.map(|stem| history_file(self.solids.input.main_case, self.name, stem)),
-            artefact,
-            value,
-            key,
-        )
+        files(history_files(self.solids.input.main_case, self.name, SIMPLE), artefact, value, key)
     }
 
     fn outdates(&self) -> &'static [&'static str] {
@@ -128,37 +118,29 @@ impl Stage for SimulateOther<'_, '_> {
     type Value = std::result::Result<Run, String>;
 
     fn name(&self) -> String {
-        format!("simple model, {}, {} element", self.name, springs::element(self.springs).name())
+        format!("{}, {} element", self.0.name(), springs::element(self.0.springs).name())
     }
 
     fn address(&mut self, _: &Engine<'_>) -> Result<Address> {
-        Ok(self.input.other_address(self.springs))
+        Ok(self.0.input.other_address(self.0.springs))
     }
 
     fn make(&mut self, _: &mut Engine<'_>) -> Result<Made> {
-        Ok(Made::whole(match simple_run(self.solids, &self.input, self.name, self.springs) {
-            Err(Error::Interrupted) => return Err(Error::Interrupted),
-            Err(reason) => Artefact::default().with(FAILURE, reason.to_string()),
-            Ok(artefact) => artefact,
-        }))
+        let failed = |reason| Artefact::default().with(FAILURE, reason);
+        Ok(Made::whole(or_reason(self.0.run())?.unwrap_or_else(failed)))
     }
 
     fn value(&mut self, artefact: &Artefact, _: &str) -> Result<Self::Value> {
         match artefact.part(FAILURE) {
             Some(_) => Ok(Err(artefact.text(FAILURE)?.into())),
-            None => run(artefact).map(|run| Ok(run.noted(self.scenario))),
+            None => run(artefact).map(|run| Ok(run.noted(self.0.scenario))),
         }
     }
 
     fn files(&self, artefact: &Artefact, value: &Self::Value, key: &str) -> Vec<NewFile> {
-        let names = of_element(springs::element(self.springs));
+        let names = of_element(springs::element(self.0.springs));
         let Ok(run) = value else { return Vec::new() };
-        files(
-            names.map(|stem| history_file(self.solids.input.main_case, self.name, &stem)),
-            artefact,
-            run,
-            key,
-        )
+        files(history_files(self.0.solids.input.main_case, self.0.name, names), artefact, run, key)
     }
 
     fn outdates(&self) -> &'static [&'static str] {
@@ -166,24 +148,22 @@ impl Stage for SimulateOther<'_, '_> {
     }
 }
 
-/// A load case on the simple model as an artefact.
-fn simple_run(
-    at: &mut Solids<'_>,
-    input: &SimpleRunInput<'_>,
-    name: &str,
-    springs: &SpringsRecord,
-) -> Result<Artefact> {
-    let used = springs::springs(springs)?;
-    let geometry = at.geometry()?;
-    let (history, tried) = make::simulate(input, &geometry, &used, at.resources.monitor)
-        .map_err(|error| at.input.source.in_scenario(name, error))?;
-    let runs_with = format!("simple model: the {} contact element", springs::element(springs).name());
-    let notes = [runs_with].into_iter().chain(springs::range_note(springs, &history)).collect();
-    let record = RunRecord {
-        wheel_mass_kg: Some(input.case.wheel_mass.unwrap_or(used.mass())),
-        ..RunRecord::new(&history, Some(springs), tried.worth, notes)
-    };
-    Ok(artefact(&history, &record, tried.disturbed.as_ref()))
+impl Simulate<'_, '_> {
+    /// The run as an artefact.
+    fn run(&mut self) -> Result<Artefact> {
+        let Self { solids: at, input, name, springs, .. } = self;
+        let used = springs::springs(springs)?;
+        let geometry = at.geometry()?;
+        let (history, tried) = make::simulate(input, &geometry, &used, at.resources.monitor)
+            .map_err(|error| at.input.source.in_scenario(name, error))?;
+        let runs_with = format!("simple model: the {} contact element", springs::element(springs).name());
+        let notes = [runs_with].into_iter().chain(springs::range_note(springs, &history)).collect();
+        let record = RunRecord {
+            wheel_mass_kg: Some(input.case.wheel_mass.unwrap_or(used.mass())),
+            ..RunRecord::new(&history, Some(springs), tried.worth, notes)
+        };
+        Ok(artefact(&history, &record, tried.disturbed.as_ref()))
+    }
 }
 
 /// The load case in the contact element that the study has not chosen, as far as it can run beside `springs`. Nothing of it is an error of the study.
@@ -200,19 +180,16 @@ pub(crate) fn other_element(
     let chosen = springs::element(springs);
     let element = chosen.other();
     let run = match springs::in_other_element(springs, laws) {
-        Ok(springs) => engine.get(&mut SimulateOther {
-            solids: &mut *solids,
-            input,
-            name,
-            scenario,
-            springs: &springs,
-        })?,
+        Ok(springs) => {
+            let solids = &mut *solids;
+            engine.get(&mut SimulateOther(Simulate { solids, input, name, scenario, springs: &springs }))?
+        }
         Err(reason) => Err(reason),
     };
     // what an earlier command has left of an element that does not run beside this one
     let gone = [Some(chosen), run.is_err().then_some(element)].into_iter().flatten();
     let gone: Vec<String> =
-        gone.flat_map(of_element).map(|stem| history_file(solids.input.main_case, name, &stem)).collect();
+        gone.flat_map(|element| history_files(solids.input.main_case, name, of_element(element))).collect();
     engine.results.withdraw(&gone, &OF_THE_RUNS)?;
     Ok(Other { element, run })
 }
@@ -256,7 +233,14 @@ pub(crate) fn files([name, other]: [String; 2], artefact: &Artefact, run: &Run, 
     [file(name, ROWS, &run.record)].into_iter().chain(disturbed).collect()
 }
 
-/// Name of a history file: plain for the `main` scenario, else with the scenario's name.
-pub fn history_file(main: Option<&str>, scenario: &str, stem: &str) -> String {
-    if main == Some(scenario) { format!("{stem}.csv") } else { format!("{stem}-{scenario}.csv") }
+/// Names of the history files of a load case: plain for the `main` one, else with its name.
+pub fn history_files<const N: usize>(
+    main: Option<&str>,
+    case: &str,
+    stems: [impl Display; N],
+) -> [String; N] {
+    stems.map(|stem| match main == Some(case) {
+        true => format!("{stem}.csv"),
+        false => format!("{stem}-{case}.csv"),
+    })
 }

@@ -4,7 +4,7 @@ use railspring_calibrate::calibration::Reference;
 use railspring_calibrate::pair::{
     BandPoint, Changed, CondensedPair, ErrorBand, Solid, SolidPoints, error_bands, horizontal_changes,
 };
-use railspring_profiles::error::{Error, InputError, Result};
+use railspring_profiles::error::{Error, InputError, Result, or_reason};
 use railspring_profiles::monitor::Monitor;
 use railspring_profiles::units::{KILONEWTON, MILLIMETRE};
 
@@ -58,10 +58,7 @@ pub fn error_band(
     let reference = Reference::from(statics.calibration.reference);
     let changes = match coarser {
         Ok(Coarser { bodies, .. }) => {
-            match horizontal_changes(pair, bodies, contact, reference, &found.points, monitor) {
-                Err(Error::Interrupted) => return Err(Error::Interrupted),
-                changes => changes.map_err(|error| error.to_string()),
-            }
+            or_reason(horizontal_changes(pair, bodies, contact, reference, &found.points, monitor))?
         }
         Err(reason) => Err(reason.clone()),
     };

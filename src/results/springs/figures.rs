@@ -62,12 +62,7 @@ pub fn law(stiffness: &StiffnessRecord) -> String {
     stacked(
         WIDTH,
         380,
-        &[Panel {
-            x_label: "load P, kN".into(),
-            y_label: "tangent stiffness dP/d\u{3b4}, 10\u{2076} kN/m".into(),
-            from_zero: true,
-            series,
-        }],
+        &[Panel::from_zero("load P, kN", "tangent stiffness dP/d\u{3b4}, 10\u{2076} kN/m", series)],
     )
 }
 
@@ -100,16 +95,7 @@ pub fn displacement(stiffness: &StiffnessRecord) -> String {
         let curve = curve.map(|f| (approach(f), f)).collect();
         series.push(Series::line("Hertz at the first touch", curve, GREY, Dash::Dotted));
     }
-    stacked(
-        WIDTH,
-        340,
-        &[Panel {
-            x_label: "displacement \u{3b4}, mm".into(),
-            y_label: "load P, kN".into(),
-            from_zero: true,
-            series,
-        }],
-    )
+    stacked(WIDTH, 340, &[Panel::from_zero("displacement \u{3b4}, mm", "load P, kN", series)])
 }
 
 /// The error band of a reference as a line beside each point, between the two `ends`; none where there is no band.
@@ -154,16 +140,14 @@ pub fn patch(rows: &[LoadCurveRow], hertz: Option<HertzRecord>) -> String {
         WIDTH,
         230,
         &[
-            Panel::new(
+            Panel::from_zero(
                 "load P, kN",
                 "semi-axis, mm",
-                true,
                 of_axes.into_iter().flatten().chain(axes).collect(),
             ),
-            Panel::new(
+            Panel::from_zero(
                 "load P, kN",
                 "largest pressure, MPa",
-                true,
                 of_pressure.into_iter().chain([pressure]).collect(),
             ),
         ],
@@ -178,12 +162,7 @@ pub fn subsurface(rows: &[LoadCurveRow], patches: &[PatchRecord]) -> Option<Stri
     };
     let mises = |points| Series::joined("von Mises", points, DARK, Dash::Solid, Marker::Disc);
     let shear = |points| Series::joined("largest shear", points, ORANGE, Dash::Dashed, Marker::Square);
-    let over_load = |name: &str, series| Panel {
-        x_label: "load P, kN".into(),
-        y_label: name.into(),
-        from_zero: true,
-        series,
-    };
+    let over_load = |name: &str, series| Panel::from_zero("load P, kN", name, series);
     let looks = [(GREY, Dash::Dotted), (BLUE, Dash::Dashed), (DARK, Dash::Solid)];
     let mut profiles = Vec::new();
     for (patch, (color, dash)) in patches.iter().zip(looks) {
@@ -206,12 +185,11 @@ pub fn subsurface(rows: &[LoadCurveRow], patches: &[PatchRecord]) -> Option<Stri
                 "its depth, mm",
                 vec![mises(of(|row| row.von_mises_depth_mm)?), shear(of(|row| row.shear_depth_mm)?)],
             ),
-            Panel {
-                x_label: "depth below the place of the largest von Mises stress, mm".into(),
-                y_label: "stress, MPa".into(),
-                from_zero: true,
-                series: profiles,
-            },
+            Panel::from_zero(
+                "depth below the place of the largest von Mises stress, mm",
+                "stress, MPa",
+                profiles,
+            ),
         ],
     ))
 }
@@ -319,11 +297,10 @@ pub fn horizontal(horizontal: &HorizontalRecord, constant_kn_per_m: f64) -> Stri
     stacked(
         WIDTH,
         240,
-        &[Panel {
-            x_label: "vertical preload, kN".into(),
-            y_label: "dQ/dy, 10\u{2076} kN/m".into(),
-            from_zero: true,
-            series: vec![
+        &[Panel::from_zero(
+            "vertical preload, kN",
+            "dQ/dy, 10\u{2076} kN/m",
+            vec![
                 Series::line(
                     "constant in use",
                     vec![(ends.0, constant), (ends.1, constant)],
@@ -333,7 +310,7 @@ pub fn horizontal(horizontal: &HorizontalRecord, constant_kn_per_m: f64) -> Stri
                 Series::line("", bars, BLUE, Dash::Solid),
                 Series::marks("solid, sticking", points, BLUE, Marker::Disc),
             ],
-        }],
+        )],
     )
 }
 

@@ -12,7 +12,7 @@ use railspring_calibrate::law::{LawFit, NormalLaw};
 use railspring_calibrate::mesh::{HexMesh, quality};
 use railspring_calibrate::pair::{CondensedPair, ContactConditions, Laws, PairBody, PairStates, SeriesBeam};
 use railspring_calibrate::superelement::CondensedBody;
-use railspring_profiles::error::{Error, InputError, Result};
+use railspring_profiles::error::{Error, InputError, Result, unless_interrupted};
 use railspring_profiles::monitor::Monitor;
 use railspring_profiles::units::{
     GIGAPASCAL, KILONEWTON, KILONEWTON_PER_METRE, MEGAPASCAL, MILLIMETRE, SQUARE_MILLIMETRE,
@@ -133,9 +133,8 @@ pub fn press(
     let laws = pressed.laws()?;
     let reference = Reference::from(statics.calibration.reference);
     let horizontal = pressed.horizontal(reference, &statics.calibration.horizontal_preloads, monitor);
-    let (horizontal, horizontal_failure) = match horizontal {
+    let (horizontal, horizontal_failure) = match unless_interrupted(horizontal)? {
         Ok(horizontal) => (Some(horizontal), None),
-        Err(Error::Interrupted) => return Err(Error::Interrupted),
         Err(failure) => (None, Some(failure)),
     };
     let horizontal_end = horizontal.as_ref().and_then(|horizontal| horizontal.ended.clone());
@@ -172,6 +171,7 @@ pub fn calibrate(
     let fields = field_files(&pressed_solids, geometry, meshes, output)?;
     let stiffness = horizontal.as_ref().map(|h| h.stiffness);
     let poisson = statics.rail.material.poisson;
+    let [of_rail, of_wheel] = meshes.contact_elements;
     let below: Vec<Option<Subsurface>> =
         states.par_iter().map(|state: &Pressed| state.subsurface(poisson)).collect();
     let record = StiffnessRecord {
@@ -203,20 +203,8 @@ pub fn calibrate(
                 .then(|| in_use.points.iter().map(|p| p.penalty_error).fold(0.0, f64::max)),
         },
         mesh: vec![
-            mesh_record(
-                "rail",
-                &meshes.rail,
-                &statics.rail.mesh,
-                meshes.contact_elements[0],
-                &bodies.rail_on_ends,
-            )?,
-            mesh_record(
-                "wheel",
-                &meshes.wheel,
-                &statics.wheel.mesh,
-                meshes.contact_elements[1],
-                &bodies.wheel,
-            )?,
+            mesh_record("rail", &meshes.rail, &statics.rail.mesh, of_rail, &bodies.rail_on_ends)?,
+            mesh_record("wheel", &meshes.wheel, &statics.wheel.mesh, of_wheel, &bodies.wheel)?,
         ],
         profiles: geometry.profiles.clone(),
         touch: touch_record(geometry, bodies),
@@ -342,16 +330,16 @@ fn reference_record(calibration: &NormalCalibration) -> Result<ReferenceRecord> 
             max_rel_displacement: left_out.map(|[_, displacement]| displacement),
             displacement: displacement_record(calibration, &table.into()),
         },
-        points: calibration
-            .points
-            .iter()
-            .map(|p| TangentRecord {
-                force_kn: p.force / KILONEWTON,
-                displacement_mm: p.displacement / MILLIMETRE,
-                tangent_kn_per_m: p.solid_tangent / KILONEWTON_PER_METRE,
-            })
-            .collect(),
+        points: calibration.points.iter().map(tangent_record).collect(),
     })
+}
+
+fn tangent_record(p: &LoadPoint) -> TangentRecord {
+    TangentRecord {
+        force_kn: p.force / KILONEWTON,
+        displacement_mm: p.displacement / MILLIMETRE,
+        tangent_kn_per_m: p.solid_tangent / KILONEWTON_PER_METRE,
+    }
 }
 
 fn compliance_record(p: &LoadPoint, beam: Option<&SeriesBeam>) -> ComplianceRecord {

@@ -13,7 +13,7 @@ use crate::engine::store::{Address, Artefact};
 use crate::results::by_angle::record::{BY_ANGLE, StiffnessByAngleRecord};
 use crate::results::names::{OF_THE_VERDICT, STIFFNESS, VERIFICATION};
 use crate::results::run::record::{RUN_NOTE, RunRecord};
-use crate::results::run::stage::{Run, Runs, SIMPLE, SOLID, history_file, of_element};
+use crate::results::run::stage::{Run, Runs, SIMPLE, SOLID, history_files, of_element};
 use crate::results::springs::record::StiffnessRecord;
 use crate::results::verdict::input::VerdictInput;
 use crate::results::verdict::judged::{Judging, hub_deviations, place};
@@ -162,7 +162,7 @@ fn contents(files: BTreeMap<String, Entry>) -> BTreeMap<String, String> {
 fn inputs(input: &VerdictInput<'_>, results: &Results<'_>, with_stiffness: bool) -> BTreeMap<String, Entry> {
     let histories = input.cases.iter().flat_map(|(name, scenario)| {
         let files = |stems: [&str; 2]| -> Vec<String> {
-            let [file, disturbed] = stems.map(|stem| history_file(input.main_case, name, stem));
+            let [file, disturbed] = history_files(input.main_case, name, stems);
             let entry = results.entry(&file).and_then(|entry| entry.note::<RunRecord>(RUN_NOTE));
             let known = entry.is_some_and(|run| run.spread.is_some());
             [file].into_iter().chain(known.then_some(disturbed)).collect()

@@ -79,7 +79,7 @@ fn differences(record: &CrosscheckRecord, quantity: &str) -> String {
                 // not drawn: keeps the limit off the frame
                 series.push(Series::line("", vec![(ends.0, 1.1 * side)], GREY, Dash::None));
             }
-            Panel { x_label: "load, kN".into(), y_label: format!("{quantity}, %"), from_zero: true, series }
+            Panel::from_zero("load, kN", &format!("{quantity}, %"), series)
         })
         .collect();
     stacked(WIDTH, 200, &panels)
@@ -101,16 +101,7 @@ pub fn load_over_displacement(record: &CrosscheckRecord) -> String {
         marks.push(Series::marks(&named(pair), theirs, color, marker));
     }
     series.extend(marks);
-    stacked(
-        WIDTH,
-        340,
-        &[Panel {
-            x_label: "hub displacement, mm".into(),
-            y_label: "load, kN".into(),
-            from_zero: true,
-            series,
-        }],
-    )
+    stacked(WIDTH, 340, &[Panel::from_zero("hub displacement, mm", "load, kN", series)])
 }
 
 fn named((problem, reference_solver): (&str, &str)) -> String {
