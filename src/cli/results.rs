@@ -110,9 +110,9 @@ struct Verdict {
     changed_limits: Vec<ChangedLimit>,
     /// The verdict in a sentence.
     headline: String,
-    lines: Vec<VerdictLine>,
+    lines: Vec<About<verify::Line>>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    not_applicable: Vec<VerdictGap>,
+    not_applicable: Vec<About<NotApplicable>>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     notes: Vec<VerdictNote>,
     /// What a reader sees of the lines that fail, the worst first.
@@ -120,19 +120,18 @@ struct Verdict {
     worst: Vec<String>,
 }
 
-/// A line of the verdict; its subject is `springs` or a load case.
+/// A part of the verdict; its subject is `springs`, `element` or a load case.
 #[derive(Debug, Serialize)]
-struct VerdictLine {
+struct About<T> {
     subject: String,
     #[serde(flatten)]
-    line: verify::Line,
+    part: T,
 }
 
-#[derive(Debug, Serialize)]
-struct VerdictGap {
-    subject: String,
-    #[serde(flatten)]
-    gap: NotApplicable,
+impl<T: Clone> About<T> {
+    fn of((subject, part): (&str, &T)) -> Self {
+        Self { subject: subject.into(), part: part.clone() }
+    }
 }
 
 #[derive(Debug, Serialize)]
@@ -333,14 +332,9 @@ impl Run {
 
 impl Verdict {
     fn of(record: &VerificationRecord) -> Self {
-        let lines: Vec<VerdictLine> = record
-            .lines()
-            .map(|(subject, line)| VerdictLine { subject: subject.into(), line: line.clone() })
-            .collect();
-        let failing = record.failing();
+        let lines: Vec<_> = record.lines().map(About::of).collect();
         let [hold, hold_by_solid, fail] = record.counts(record.decides);
-        let gaps = record.not_applicable();
-        let notes = record.notes();
+        let note = |(subject, note): (&str, &str)| VerdictNote { subject: subject.into(), note: note.into() };
         Self {
             holds: record.holds,
             limits: lines.len(),
@@ -351,27 +345,20 @@ impl Verdict {
             changed_limits: record.changed_limits.clone(),
             headline: record.headline(),
             lines,
-            not_applicable: gaps
-                .map(|(subject, gap)| VerdictGap { subject: subject.into(), gap: gap.clone() })
-                .collect(),
-            notes: notes
-                .map(|(subject, note)| VerdictNote { subject: subject.into(), note: note.into() })
-                .collect(),
-            worst: failing.iter().map(|(subject, line)| failure(subject, line)).collect(),
+            not_applicable: record.not_applicable().map(About::of).collect(),
+            notes: record.notes().map(note).collect(),
+            worst: record.failing().iter().map(|(subject, line)| failure(subject, line)).collect(),
         }
     }
 
     /// What could not be compared and what has to be known.
     fn remarks(&self) -> Vec<Line> {
-        let gaps = self.not_applicable.iter();
-        let gaps = gaps.map(|VerdictGap { subject, gap }| {
+        let gaps = self.not_applicable.iter().map(|About { subject, part: gap }| {
             Line::plain(format!("n/a    {subject}: {}: {}", gap.meaning, gap.reason))
         });
-        let notes = self.notes.iter();
-        gaps.chain(
-            notes.map(|VerdictNote { subject, note }| Line::plain(format!("note   {subject}: {note}"))),
-        )
-        .collect()
+        let note =
+            |VerdictNote { subject, note }: &VerdictNote| Line::plain(format!("note   {subject}: {note}"));
+        gaps.chain(self.notes.iter().map(note)).collect()
     }
 
     fn lines(&self) -> Vec<Line> {

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::results::run::record::RunRecord;
 use crate::rounding::with_unit;
+use crate::study::ContactElementKey;
 use crate::verify::{ChangedLimit, Compared, Comparison, HeldBy, Line, NotApplicable};
 
 /// `verification.json`: the verdict.
@@ -157,6 +158,14 @@ pub struct ElementVerdict {
     /// The lines on the element that the study has not chosen; those of the chosen one are the load case's.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub lines: Vec<Line>,
+}
+
+impl ElementVerdict {
+    /// That of an element of which nothing is known.
+    pub fn of(element: ContactElementKey) -> Self {
+        let element = element.name().into();
+        Self { element, run: None, missing: None, differences: None, lines: Vec::new() }
+    }
 }
 
 /// Differences of an element from the solid model, as the lines of a verdict have them; as long as the motion of the solid is determined.

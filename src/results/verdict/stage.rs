@@ -58,30 +58,21 @@ impl Stage for Verify<'_> {
             };
             let comparison = compared(simple).transpose()?;
             let own = ElementVerdict {
-                element: other.element.other().name().into(),
-                run: None,
-                missing: None,
                 differences: comparison.as_ref().map(ElementDifferences::from),
-                lines: Vec::new(),
+                ..ElementVerdict::of(other.element.other())
             };
+            let of_other = ElementVerdict::of(other.element);
             let other = match &other.run {
                 Ok(run) => {
                     let comparison = compared(run).transpose()?;
                     ElementVerdict {
-                        element: other.element.name().into(),
                         run: Some(run.record.clone()),
-                        missing: None,
                         differences: comparison.as_ref().map(ElementDifferences::from),
                         lines: comparison.map_or_else(|| verify::run_lines(&run.history, None), |c| c.lines),
+                        ..of_other
                     }
                 }
-                Err(reason) => ElementVerdict {
-                    element: other.element.name().into(),
-                    run: None,
-                    missing: Some(reason.clone()),
-                    differences: None,
-                    lines: Vec::new(),
-                },
+                Err(reason) => ElementVerdict { missing: Some(reason.clone()), ..of_other },
             };
             let (lines, not_applicable, compared) = match comparison {
                 Some(c) => (c.lines, c.not_applicable, Some(c.compared)),

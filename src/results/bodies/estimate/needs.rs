@@ -125,29 +125,30 @@ impl Estimate {
         let rail = Body { mesh: MeshSize::of(&meshes.rail), size: rail? };
         let wheel = Body { mesh: MeshSize::of(&meshes.wheel), size: wheel? };
         let base = PROGRAM + NODE * (rail.mesh.nodes + wheel.mesh.nodes) as f64;
+        let pair = Pair { input, geometry, meshes, rail, wheel, base };
+        let Pair { rail, wheel, .. } = &pair;
         let mut stages = Vec::new();
         let mut finer = None;
         let mut beside = Beside::default();
         if work.calibrate {
             let candidates = Candidates::of(input, geometry, meshes);
-            stages.push(calibration(input, [&rail, &wheel], candidates, base));
+            stages.push(pair.calibration(candidates));
             if input.wants_by_angle {
-                stages.push(by_angle(input, geometry, meshes, [&rail, &wheel], candidates, base)?);
+                stages.push(pair.by_angle(candidates)?);
             }
             if input.statics.wants_error_band() {
-                stages.push(error_band(input, geometry, meshes, [&rail, &wheel], base)?);
+                stages.push(pair.error_band()?);
             }
-            let ways = ways_held(input);
+            let ways = pair.ways_held();
             let modes = input.modes as f64;
             beside.condensing =
                 base + wheel.making(modes) + rail.making(modes) + (ways - 1.0) * rail.making(0.0);
             beside.stages = stages.iter().map(|stage| stage.memory).sum();
-            stages.extend(others(input, geometry, [&rail, &wheel], base));
+            stages.extend(pair.others());
             if input.statics.target_error.is_some() && input.statics.meshes_are_ours() {
-                let options = meshes.options().refined(FINER);
-                let [finer_rail, finer_wheel] = resized(input, geometry, [&rail, &wheel], &options)?;
-                let candidates = candidates.times(finer_rail.mesh.contact as f64 / rail.mesh.contact as f64);
-                finer = Some(calibration(input, [&finer_rail, &finer_wheel], candidates, base));
+                let on_finer = pair.resized(&meshes.options().refined(FINER))?;
+                let more = on_finer.rail.mesh.contact as f64 / rail.mesh.contact as f64;
+                finer = Some(on_finer.calibration(candidates.times(more)));
             }
         }
         if let Some(purpose) = work.reference {
@@ -159,7 +160,7 @@ impl Estimate {
                 seconds: reference_seconds(purpose, values),
             });
         }
-        let both = [&rail, &wheel];
+        let both = [rail, wheel];
         let substitution = |bodies: [&Body; 2]| -> f64 {
             bodies.map(|body| 2.0 * VALUE * body.size.values as f64 / BANDWIDTH).iter().sum()
         };
@@ -182,7 +183,7 @@ impl Estimate {
                 }
                 TransientKey::Reduced => {
                     let modes = input.modes as f64;
-                    let condensing = condensing(&wheel, &rail, 0.0, modes);
+                    let condensing = pair.condensing(0.0, modes);
                     let stepping =
                         both.map(|body| stepping(&body.size, input.modes, RUNS)).iter().sum::<f64>();
                     // on two threads: the run and the same with a larger input, the run with longer steps and its first steps with fewer
@@ -335,79 +336,6 @@ fn pressing(input: &SolidsInput<'_>, loads: &[f64], candidates: Candidates) -> f
     }
 }
 
-/// The calibration without its error bands; `base` are the bytes of program and meshes.
-fn calibration(
-    input: &SolidsInput<'_>,
-    [rail, wheel]: [&Body; 2],
-    candidates: Candidates,
-    base: f64,
-) -> StageEstimate {
-    let ways = ways_held(input);
-    let of_states = |share: &f64| Candidates::dense(share * candidates.kept);
-    let states = ways * shares(&input.statics.calibration.loads).iter().map(of_states).sum::<f64>();
-    let modes = input.modes as f64;
-    // one more of the rail is against its section; beside the pressed bodies the inside of one of them at a time
-    let pressed = wheel.dense() + (ways + 1.0) * rail.dense() + states;
-    let memory = [
-        condensing(wheel, rail, (ways - 1.0) * rail.dense(), modes),
-        pressed + ways * Candidates::dense(candidates.first) + wheel.inside().max(rail.inside()),
-    ];
-    StageEstimate {
-        stage: "calibration".into(),
-        memory: base + memory.into_iter().fold(0.0, f64::max),
-        seconds: wheel.seconds()
-            + wheel.seconds_inside()
-            + ways * rail.seconds()
-            + rail.seconds_inside()
-            + ways * pressing(input, &input.statics.calibration.loads, candidates),
-    }
-}
-
-/// In how many ways the rail is held: with its section, and with its foot where the study wants laws against that.
-fn ways_held(input: &SolidsInput<'_>) -> f64 {
-    if input.statics.calibration.foot_held { 2.0 } else { 1.0 }
-}
-
-/// Bytes of the bodies with `modes` modes: the wheel, which is condensed first, or the rail after it and after another of so many bytes.
-fn condensing(wheel: &Body, rail: &Body, other: f64, modes: f64) -> f64 {
-    wheel.making(modes).max(wheel.dense() + other + rail.making(modes))
-}
-
-/// The laws by contact angle with their error bands.
-fn by_angle(
-    input: &SolidsInput<'_>,
-    geometry: &Geometry,
-    meshes: &Meshes,
-    [rail, wheel]: [&Body; 2],
-    candidates: Candidates,
-    base: f64,
-) -> Result<StageEstimate> {
-    // each thread presses the wheel in one place, and keeps no state but the last
-    let shifts = places::shifts(input.statics, input.shifts, &geometry.pair).len() as f64;
-    let threads = (rayon::current_num_threads() as f64).min(shifts);
-    // one more of the rail is against its section
-    let ways = ways_held(input);
-    let mut kept = wheel.dense() + (ways + 1.0) * rail.dense();
-    let mut of_a_shift = ways * pressing(input, &places::loads_by_angle(input.statics), candidates);
-    if input.statics.wants_error_band() {
-        let loads = FIXED_LOADS_CHANGED as f64;
-        let (on_grids, of_a_load) = changed(input);
-        of_a_shift += loads * on_grids;
-        if input.statics.meshes_are_ours() {
-            let options = coarser::coarser_options(geometry, meshes.options());
-            let [rail, wheel] = resized(input, geometry, [rail, wheel], &options)?;
-            kept += wheel.dense() + (ways + 1.0) * rail.dense();
-            // on both meshes
-            of_a_shift += loads * 2.0 * ways * of_a_load;
-        }
-    }
-    Ok(StageEstimate {
-        stage: "law by contact angle".into(),
-        memory: base + kept + 2.0 * threads * Candidates::dense(candidates.first),
-        seconds: of_a_shift * (shifts / threads).ceil(),
-    })
-}
-
 /// Time of a load on the halved grid and on the grid itself, and of a load on other meshes, s.
 fn changed(input: &SolidsInput<'_>) -> (f64, f64) {
     match input.statics.contact.field {
@@ -416,59 +344,127 @@ fn changed(input: &SolidsInput<'_>) -> (f64, f64) {
     }
 }
 
-/// Rail and wheel on the program's meshes with other sizes.
-fn resized(
-    input: &SolidsInput<'_>,
-    geometry: &Geometry,
-    [rail, wheel]: [&Body; 2],
-    options: &MeshOptions,
-) -> Result<[Body; 2]> {
-    let (on_rail, on_wheel) = rayon::join(
-        || rail_size(&geometry.pair.rail, input.statics.rail.length, options),
-        || wheel_size(&geometry.pair.wheel, options),
-    );
-    Ok([rail.resized(on_rail?), wheel.resized(on_wheel?)])
+/// The pair of a study on meshes.
+struct Pair<'a> {
+    input: &'a SolidsInput<'a>,
+    geometry: &'a Geometry,
+    meshes: &'a Meshes,
+    rail: Body,
+    wheel: Body,
+    /// Bytes of program and meshes.
+    base: f64,
 }
 
-/// The pair with others in the place of the bodies and places that are assumed, one after the other, if any are.
-fn others(
-    input: &SolidsInput<'_>,
-    geometry: &Geometry,
-    [rail, wheel]: [&Body; 2],
-    base: f64,
-) -> Option<StageEstimate> {
-    let [rails, wheels] = others::others_by_body(input.statics, geometry).map(|count| count as f64);
-    if rails + wheels == 0.0 {
-        return None;
+impl Pair<'_> {
+    /// The calibration without its error bands.
+    fn calibration(&self, candidates: Candidates) -> StageEstimate {
+        let Self { input, rail, wheel, base, .. } = self;
+        let ways = self.ways_held();
+        let of_states = |share: &f64| Candidates::dense(share * candidates.kept);
+        let states = ways * shares(&input.statics.calibration.loads).iter().map(of_states).sum::<f64>();
+        let modes = input.modes as f64;
+        // one more of the rail is against its section; beside the pressed bodies the inside of one of them at a time
+        let pressed = wheel.dense() + (ways + 1.0) * rail.dense() + states;
+        let memory = [
+            self.condensing((ways - 1.0) * rail.dense(), modes),
+            pressed + ways * Candidates::dense(candidates.first) + wheel.inside().max(rail.inside()),
+        ];
+        StageEstimate {
+            stage: "calibration".into(),
+            memory: base + memory.into_iter().fold(0.0, f64::max),
+            seconds: wheel.seconds()
+                + wheel.seconds_inside()
+                + ways * rail.seconds()
+                + rail.seconds_inside()
+                + ways * pressing(input, &input.statics.calibration.loads, candidates),
+        }
     }
-    let (_, of_a_load) = changed(input);
-    let loads = input.statics.calibration.loads.len().min(LOADS_COARSER) as f64;
-    let pressed = (rails + wheels) * loads * of_a_load;
-    let seconds = rails * rail.seconds() + wheels * wheel.seconds() + pressed;
-    let memory = base + rail.dense() + wheel.dense() + condensing(wheel, rail, 0.0, 0.0);
-    Some(StageEstimate { stage: "other bodies and places".into(), memory, seconds })
-}
 
-/// The error bands of the laws: the bodies of coarser meshes beside those of the laws, and the loads on both and on the halved grid.
-fn error_band(
-    input: &SolidsInput<'_>,
-    geometry: &Geometry,
-    meshes: &Meshes,
-    [rail, wheel]: [&Body; 2],
-    base: f64,
-) -> Result<StageEstimate> {
-    let ways = ways_held(input);
-    let kept = (ways + 1.0) * rail.dense() + wheel.dense();
-    let loads = input.statics.calibration.loads.len() as f64;
-    let (on_grids, of_a_load) = changed(input);
-    let seconds = loads.min(LOADS_HALVED as f64) * on_grids;
-    let mut estimate = StageEstimate { stage: "error band".into(), memory: base + kept, seconds };
-    if input.statics.meshes_are_ours() {
-        let options = coarser::coarser_options(geometry, meshes.options());
-        let [rail, wheel] = resized(input, geometry, [rail, wheel], &options)?;
-        estimate.memory += condensing(&wheel, &rail, (ways - 1.0) * rail.dense(), 0.0);
-        estimate.seconds +=
-            wheel.seconds() + ways * (rail.seconds() + 2.0 * loads.min(LOADS_COARSER as f64) * of_a_load);
+    /// In how many ways the rail is held: with its section, and with its foot where the study wants laws against that.
+    fn ways_held(&self) -> f64 {
+        if self.input.statics.calibration.foot_held { 2.0 } else { 1.0 }
     }
-    Ok(estimate)
+
+    /// Bytes of the bodies with `modes` modes: the wheel, which is condensed first, or the rail after it and after another of so many bytes.
+    fn condensing(&self, other: f64, modes: f64) -> f64 {
+        let Self { rail, wheel, .. } = self;
+        wheel.making(modes).max(wheel.dense() + other + rail.making(modes))
+    }
+
+    /// The laws by contact angle with their error bands.
+    fn by_angle(&self, candidates: Candidates) -> Result<StageEstimate> {
+        let Self { input, geometry, rail, wheel, base, .. } = self;
+        // each thread presses the wheel in one place, and keeps no state but the last
+        let shifts = places::shifts(input.statics, input.shifts, &geometry.pair).len() as f64;
+        let threads = (rayon::current_num_threads() as f64).min(shifts);
+        // one more of the rail is against its section
+        let ways = self.ways_held();
+        let mut kept = wheel.dense() + (ways + 1.0) * rail.dense();
+        let mut of_a_shift = ways * pressing(input, &places::loads_by_angle(input.statics), candidates);
+        if input.statics.wants_error_band() {
+            let loads = FIXED_LOADS_CHANGED as f64;
+            let (on_grids, of_a_load) = changed(input);
+            of_a_shift += loads * on_grids;
+            if input.statics.meshes_are_ours() {
+                let Self { rail, wheel, .. } = self.coarser()?;
+                kept += wheel.dense() + (ways + 1.0) * rail.dense();
+                // on both meshes
+                of_a_shift += loads * 2.0 * ways * of_a_load;
+            }
+        }
+        Ok(StageEstimate {
+            stage: "law by contact angle".into(),
+            memory: base + kept + 2.0 * threads * Candidates::dense(candidates.first),
+            seconds: of_a_shift * (shifts / threads).ceil(),
+        })
+    }
+
+    /// The same pair on the program's meshes with other sizes.
+    fn resized(&self, options: &MeshOptions) -> Result<Self> {
+        let Self { input, geometry, rail, wheel, .. } = self;
+        let (on_rail, on_wheel) = rayon::join(
+            || rail_size(&geometry.pair.rail, input.statics.rail.length, options),
+            || wheel_size(&geometry.pair.wheel, options),
+        );
+        Ok(Self { rail: rail.resized(on_rail?), wheel: wheel.resized(on_wheel?), ..*self })
+    }
+
+    /// The same pair on the coarser meshes of the error bands.
+    fn coarser(&self) -> Result<Self> {
+        self.resized(&coarser::coarser_options(self.geometry, self.meshes.options()))
+    }
+
+    /// The pair with others in the place of the bodies and places that are assumed, one after the other, if any are.
+    fn others(&self) -> Option<StageEstimate> {
+        let Self { input, geometry, rail, wheel, base, .. } = self;
+        let [rails, wheels] = others::others_by_body(input.statics, geometry).map(|count| count as f64);
+        if rails + wheels == 0.0 {
+            return None;
+        }
+        let (_, of_a_load) = changed(input);
+        let loads = input.statics.calibration.loads.len().min(LOADS_COARSER) as f64;
+        let pressed = (rails + wheels) * loads * of_a_load;
+        let seconds = rails * rail.seconds() + wheels * wheel.seconds() + pressed;
+        let memory = base + rail.dense() + wheel.dense() + self.condensing(0.0, 0.0);
+        Some(StageEstimate { stage: "other bodies and places".into(), memory, seconds })
+    }
+
+    /// The error bands of the laws: the bodies of coarser meshes beside those of the laws, and the loads on both and on the halved grid.
+    fn error_band(&self) -> Result<StageEstimate> {
+        let Self { input, rail, wheel, base, .. } = self;
+        let ways = self.ways_held();
+        let kept = (ways + 1.0) * rail.dense() + wheel.dense();
+        let loads = input.statics.calibration.loads.len() as f64;
+        let (on_grids, of_a_load) = changed(input);
+        let seconds = loads.min(LOADS_HALVED as f64) * on_grids;
+        let mut estimate = StageEstimate { stage: "error band".into(), memory: base + kept, seconds };
+        if input.statics.meshes_are_ours() {
+            let on_coarser = self.coarser()?;
+            let Self { rail, wheel, .. } = &on_coarser;
+            estimate.memory += on_coarser.condensing((ways - 1.0) * rail.dense(), 0.0);
+            estimate.seconds +=
+                wheel.seconds() + ways * (rail.seconds() + 2.0 * loads.min(LOADS_COARSER as f64) * of_a_load);
+        }
+        Ok(estimate)
+    }
 }
