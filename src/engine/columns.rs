@@ -127,8 +127,13 @@ pub fn csv_of_texts<R: IntoIterator<Item: AsRef<[u8]>>>(rows: impl IntoIterator<
     writer.into_inner().expect("memory has room")
 }
 
-/// The JSON schema of a row.
-pub fn schema<T>(title: &str, text: &str, columns: &[Column<T>]) -> Value {
+/// The JSON schema of a row with these [`properties`].
+pub fn schema(title: &str, text: &str, properties: &Map<String, Value>) -> Value {
+    json!({ "title": title, "description": text, "type": "object", "properties": properties })
+}
+
+/// The JSON schemas of the cells of a row.
+pub fn properties<T>(columns: &[Column<T>]) -> Map<String, Value> {
     let property = |column: &Column<T>| {
         let of = match column.holds {
             Holds::Number => json!("number"),
@@ -137,6 +142,5 @@ pub fn schema<T>(title: &str, text: &str, columns: &[Column<T>]) -> Value {
         };
         (column.name.to_string(), json!({ "type": of, "description": column.text }))
     };
-    let properties: Map<String, Value> = columns.iter().map(property).collect();
-    json!({ "title": title, "description": text, "type": "object", "properties": properties })
+    columns.iter().map(property).collect()
 }

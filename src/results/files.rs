@@ -14,6 +14,7 @@ use crate::results::names::{
     STIFFNESS, VERIFICATION,
 };
 use crate::results::patches::record::PatchesRecord;
+use crate::results::run::history_csv;
 use crate::results::springs::record::{LoadCurveRow, StiffnessRecord};
 use crate::results::verdict::record::VerificationRecord;
 
@@ -67,7 +68,8 @@ pub const RESULT_FILES: [ResultFile; 29] = [
     file(BY_ANGLE_ROWS, "run, fit, calibrate", "the same at fixed loads, a row for each shift, load and reference").with(row_schema),
     file(PATCHES, "run, fit, calibrate", "pressure, stick and slip of the contact points on the rail under the smallest, a middle and the largest load")
         .with(of::<PatchesRecord>),
-    file("history.csv", "run, simulate", "the main load case on the simple model, a row for each time step: forces, places, contacts, balance of energy"),
+    file("history.csv", "run, simulate", "the main load case on the simple model, a row for each time step: forces, places, contacts, balance of energy")
+        .with(history_csv::row_schema),
     file("history-*.csv", "run, simulate", "the same of a load case by its name"),
     file("history_disturbed*.csv", "run, simulate", "the same with an input that is 0.1 % larger: how far the model is determined"),
     file("history_published*.csv", "run, simulate", "the same with the published contact element beside the condensed one, and disturbed"),

@@ -5,7 +5,7 @@ use serde_json::Value;
 use super::record::{
     AngleLawRecord, FixedLoadRecord, FixedReferenceRecord, ShiftRecord, StiffnessByAngleRecord,
 };
-use crate::engine::columns::{Column, columns, csv, schema};
+use crate::engine::columns::{Column, columns, csv, properties, schema};
 use crate::results::springs::band_record::BandPointRecord;
 
 /// What a row is of.
@@ -102,7 +102,7 @@ pub fn row_schema() -> Value {
     schema(
         "ByAngleRow",
         "One row of `stiffness_by_angle.csv`: a shift, a fixed load and a reference.",
-        &columns(),
+        &properties(&columns()),
     )
 }
 

@@ -4,6 +4,7 @@
 //! contacts of a row follow each other from the gauge side to the field side;
 //! a contact that does not exist has the mode `separated` and empty cells.
 
+use std::iter::once;
 use std::path::Path;
 
 use nalgebra::Point2;
@@ -11,84 +12,106 @@ use railspring_profiles::error::{InputError, Result};
 use railspring_profiles::units::{KILONEWTON, MILLIMETRE};
 use railspring_simulate::time::energy::EnergyBalance;
 use railspring_simulate::time::history::{ContactMode, ContactState, Ending, History, HistoryRow};
+use serde_json::Value;
+
+use crate::engine::columns::{Cell, Column, columns, csv_of_texts, properties, schema};
 
 /// Columns before those of the contacts.
-const COMMON: [&str; 14] = [
-    "time_s",
-    "p_kn",
-    "q_kn",
-    "q_over_p",
-    "wheel_y_mm",
-    "wheel_z_mm",
-    "load_y_mm",
-    "mode",
-    "kinetic_j",
-    "elastic_j",
-    "work_j",
-    "damped_j",
-    "friction_j",
-    "energy_drift_j",
-];
-/// The first of the columns of the balance of energy, which are empty where the run has none.
+fn of_row() -> Vec<Column<HistoryRow>> {
+    columns! { HistoryRow:
+        "time_s", "Time, s", |row| row.time;
+        "p_kn", "Vertical force P of the wheel on the rail, kN, positive down", |row| row.vertical_force / KILONEWTON;
+        "q_kn", "Lateral force Q of the wheel on the rail, kN, positive to the field side",
+            |row| row.lateral_force / KILONEWTON;
+        "q_over_p", "Q over P; none where P is not positive",
+            |row| (row.vertical_force > 0.0).then(|| row.lateral_force / row.vertical_force);
+        "wheel_y_mm", "Lateral displacement of the wheel centre, mm, positive to the field side",
+            |row| row.wheel_y / MILLIMETRE;
+        "wheel_z_mm", "Vertical displacement of the wheel centre, mm, positive down", |row| row.wheel_z / MILLIMETRE;
+        "load_y_mm", "Lateral displacement of the point where the lateral force acts, mm",
+            |row| row.load_y / MILLIMETRE;
+        "mode", "`stick` where a contact sticks, `slip` where all slide, `separated` without one",
+            |row| row.mode().name();
+        "kinetic_j", "Kinetic energy of all masses, J; none at full order, as the columns that follow",
+            |row| Some(row.energy?.kinetic);
+        "elastic_j", "Elastic energy of bodies, springs and contact, J", |row| Some(row.energy?.elastic);
+        "work_j", "Work of forces and weights, J", |row| Some(row.energy?.work);
+        "damped_j", "What material and dampers have taken, J", |row| Some(row.energy?.damped);
+        "friction_j", "What friction has taken, J", |row| Some(row.energy?.friction);
+        "energy_drift_j", "What there is more than the balance says, J", |row| Some(row.energy?.drift);
+    }
+}
+
+/// Columns of one contact, with its number in the place of the star.
+fn of_contact() -> Vec<Column<Option<ContactState>>> {
+    columns! { Option<ContactState>:
+        "contact_*_mode", "`stick`, `slip`, or `separated` for a contact that does not exist",
+            |at| at.map_or(ContactMode::Separated, |at| at.mode).name();
+        "contact_*_normal_kn", "Normal force, kN", |at| at.map(|at| at.normal_force / KILONEWTON);
+        "contact_*_tangential_kn", "Lateral tangential force, kN", |at| at.map(|at| at.tangential_force / KILONEWTON);
+        "contact_*_rail_y_mm", "Place on the rail, rail profile frame, lateral, mm",
+            |at| at.map(|at| at.rail.x / MILLIMETRE);
+        "contact_*_rail_z_mm", "The same, vertical, mm", |at| at.map(|at| at.rail.y / MILLIMETRE);
+        "contact_*_wheel_y_mm", "Place on the wheel, wheel profile frame, lateral, mm",
+            |at| at.map(|at| at.wheel.x / MILLIMETRE);
+        "contact_*_wheel_z_mm", "The same, vertical, mm", |at| at.map(|at| at.wheel.y / MILLIMETRE);
+    }
+}
+
+/// The JSON schema of a row.
+pub fn row_schema() -> Value {
+    let mut all = properties(&of_row());
+    all.extend(properties(&of_contact()));
+    schema(
+        "HistoryRow",
+        "One row of a history: a time step. Contacts have numbers from the gauge side on.",
+        &all,
+    )
+}
+
+/// The number of the first of the columns of the balance of energy, which are empty where the run has none.
 const ENERGY: usize = 8;
-/// Columns of one contact.
-const OF_CONTACT: [&str; 7] =
-    ["mode", "normal_kn", "tangential_kn", "rail_y_mm", "rail_z_mm", "wheel_y_mm", "wheel_z_mm"];
 /// Tread and flange: every file has room for these.
 const CONTACTS_AT_LEAST: usize = 2;
 
-/// The file's bytes.
-pub fn write(history: &History) -> Vec<u8> {
-    let contacts =
-        history.rows.iter().map(|row| row.contacts.len()).max().unwrap_or(0).max(CONTACTS_AT_LEAST);
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let mut heading: Vec<String> = COMMON.iter().map(ToString::to_string).collect();
-    for contact in 1..=contacts {
-        heading.extend(OF_CONTACT.iter().map(|name| format!("contact_{contact}_{name}")));
-    }
-    writer.write_record(&heading).expect("a vector grows");
-    for row in &history.rows {
-        writer.write_record(cells(row, contacts)).expect("a vector grows");
-    }
-    writer.into_inner().expect("a vector grows")
+/// A file with room for some contacts.
+struct Layout {
+    of_row: Vec<Column<HistoryRow>>,
+    of_contact: Vec<Column<Option<ContactState>>>,
+    contacts: usize,
 }
 
-/// One line of the file, with room for `contacts`.
-fn cells(row: &HistoryRow, contacts: usize) -> Vec<String> {
-    let mut cells = vec![
-        number(row.time),
-        number(row.vertical_force / KILONEWTON),
-        number(row.lateral_force / KILONEWTON),
-        if row.vertical_force > 0.0 { number(row.lateral_force / row.vertical_force) } else { String::new() },
-        number(row.wheel_y / MILLIMETRE),
-        number(row.wheel_z / MILLIMETRE),
-        number(row.load_y / MILLIMETRE),
-        row.mode().name().to_string(),
-    ];
-    cells.extend(match row.energy {
-        Some(EnergyBalance { kinetic, elastic, work, damped, friction, drift }) => {
-            [kinetic, elastic, work, damped, friction, drift].map(number)
-        }
-        None => Default::default(),
-    });
-    for index in 0..contacts {
-        match row.contacts.get(index) {
-            Some(contact) => {
-                cells.push(contact.mode.name().to_string());
-                cells.push(number(contact.normal_force / KILONEWTON));
-                cells.push(number(contact.tangential_force / KILONEWTON));
-                for point in [contact.rail, contact.wheel] {
-                    cells.push(number(point.x / MILLIMETRE));
-                    cells.push(number(point.y / MILLIMETRE));
-                }
-            }
-            None => {
-                cells.push(ContactMode::Separated.name().to_string());
-                cells.extend(std::iter::repeat_n(String::new(), OF_CONTACT.len() - 1));
-            }
-        }
+impl Layout {
+    fn new(contacts: usize) -> Self {
+        Self { of_row: of_row(), of_contact: of_contact(), contacts }
     }
-    cells
+
+    /// Names of the columns.
+    fn heading(&self) -> Vec<String> {
+        let of_contact = |number: usize| {
+            self.of_contact.iter().map(move |column| column.name.replace('*', &number.to_string()))
+        };
+        let of_row = self.of_row.iter().map(|column| column.name.to_owned());
+        of_row.chain((1..=self.contacts).flat_map(of_contact)).collect()
+    }
+
+    /// One line of the file.
+    fn cells(&self, row: &HistoryRow) -> Vec<String> {
+        let text = |cell: Cell| match cell {
+            Cell::Number(value) => value.map_or_else(String::new, number),
+            Cell::Text(text) => text,
+        };
+        let contacts = (0..self.contacts).map(|index| row.contacts.get(index).copied());
+        let of_contacts = contacts.flat_map(|at| self.of_contact.iter().map(move |of| (of.value)(&at)));
+        self.of_row.iter().map(|of| (of.value)(row)).chain(of_contacts).map(text).collect()
+    }
+}
+
+/// The file's bytes.
+pub fn write(history: &History) -> Vec<u8> {
+    let contacts = history.rows.iter().map(|row| row.contacts.len()).max().unwrap_or(0);
+    let layout = Layout::new(contacts.max(CONTACTS_AT_LEAST));
+    csv_of_texts(once(layout.heading()).chain(history.rows.iter().map(|row| layout.cells(row))))
 }
 
 /// Twelve significant digits, in the shortest form.
@@ -118,16 +141,12 @@ pub fn read(path: &Path, text: &str, degrees_of_freedom: usize, ending: Ending) 
     };
     let mut reader = csv::Reader::from_reader(text.as_bytes());
     let heading = reader.headers().map_err(|cause| broken(1, cause.to_string()))?.clone();
-    let fits = heading.len() >= COMMON.len()
-        && (heading.len() - COMMON.len()).is_multiple_of(OF_CONTACT.len())
-        && heading.iter().zip(COMMON).all(|(found, expected)| found == expected)
-        && heading.iter().skip(COMMON.len()).enumerate().all(|(n, found)| {
-            *found == format!("contact_{}_{}", n / OF_CONTACT.len() + 1, OF_CONTACT[n % OF_CONTACT.len()])
-        });
-    if !fits {
+    let mut layout = Layout::new(0);
+    let (before, each) = (layout.of_row.len(), layout.of_contact.len());
+    layout.contacts = heading.len().saturating_sub(before) / each;
+    if heading != layout.heading() {
         return Err(broken(1, heading.iter().collect::<Vec<_>>().join(",")));
     }
-    let room = (heading.len() - COMMON.len()) / OF_CONTACT.len();
     let mut rows: Vec<HistoryRow> = Vec::new();
     for record in reader.records() {
         let record = record
@@ -146,7 +165,7 @@ pub fn read(path: &Path, text: &str, degrees_of_freedom: usize, ending: Ending) 
             Ok(Point2::new(value(column, MILLIMETRE)?, value(column + 1, MILLIMETRE)?))
         };
         let mut contacts = Vec::new();
-        for start in (COMMON.len()..heading.len()).step_by(OF_CONTACT.len()) {
+        for start in (before..heading.len()).step_by(each) {
             let mode = match cell(start) {
                 "stick" => ContactMode::Stick,
                 "slip" => ContactMode::Slip,
@@ -161,7 +180,7 @@ pub fn read(path: &Path, text: &str, degrees_of_freedom: usize, ending: Ending) 
                 wheel: point(start + 5)?,
             });
         }
-        let energy = match (ENERGY..COMMON.len()).all(|column| cell(column).is_empty()) {
+        let energy = match (ENERGY..before).all(|column| cell(column).is_empty()) {
             true => None,
             false => Some(EnergyBalance {
                 kinetic: value(ENERGY, 1.0)?,
@@ -183,7 +202,7 @@ pub fn read(path: &Path, text: &str, degrees_of_freedom: usize, ending: Ending) 
             contacts,
         };
         // What follows from other cells, or is empty because there is no contact, must say the same.
-        let written = cells(&row, room);
+        let written = layout.cells(&row);
         let differs = record.iter().zip(&written).position(|(found, expected)| !same(found, expected));
         if let Some(column) = differs {
             let (found, expected) = (cell(column), &written[column]);
