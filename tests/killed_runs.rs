@@ -13,7 +13,7 @@ use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant, SystemTime};
 
-use railspring_testing::{Random, await_changes};
+use railspring_testing::{Random, await_changes, copy};
 
 /// Two studies that share the load case's name and differ in springs, histories and verdict.
 fn study(which: usize) -> String {
@@ -55,15 +55,6 @@ fn results(out: &Path) -> BTreeMap<String, Vec<u8>> {
     let part = page.split("<section id=\"measured\">").next().unwrap();
     found.insert("report.html".into(), part.into());
     found
-}
-
-fn copy(from: &Path, to: &Path) {
-    std::fs::create_dir_all(to).unwrap();
-    for entry in std::fs::read_dir(from).unwrap() {
-        let path = entry.unwrap().path();
-        let target = to.join(path.file_name().unwrap());
-        if path.is_dir() { copy(&path, &target) } else { std::fs::copy(&path, &target).map(drop).unwrap() }
-    }
 }
 
 /// Names and times of change of the files of an output folder and of a store.

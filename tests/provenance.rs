@@ -10,6 +10,7 @@ use std::sync::OnceLock;
 
 use assert_cmd::Command;
 use railspring::engine::output::OutputFolder;
+use railspring_testing::copy;
 use serde_json::Value;
 
 /// The coarse study with a short load case.
@@ -72,15 +73,6 @@ fn railspring(root: &Path, study: &str, arguments: &[&str]) -> Output {
         .args(["study.toml", "-o", "out"])
         .output()
         .unwrap()
-}
-
-fn copy(from: &Path, to: &Path) {
-    std::fs::create_dir_all(to).unwrap();
-    for entry in std::fs::read_dir(from).unwrap() {
-        let path = entry.unwrap().path();
-        let target = to.join(path.file_name().unwrap());
-        if path.is_dir() { copy(&path, &target) } else { std::fs::copy(&path, &target).map(drop).unwrap() }
-    }
 }
 
 fn message(output: &Output) -> String {

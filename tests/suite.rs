@@ -11,6 +11,7 @@ mod compare;
 mod condensed_element;
 mod crates;
 mod ends;
+mod environment;
 mod error_band;
 mod estimate;
 mod every_key;

@@ -6,10 +6,8 @@
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
-use std::sync::{Mutex, OnceLock};
 
-use railspring::python::{Purpose, Python};
-use railspring_profiles::monitor::Silent;
+use crate::environment::{cache, python};
 use serde_json::Value;
 
 const RAIL: &str = "name = \"x\"\n[rail]\nprofile = \"60E1\"\n";
@@ -17,20 +15,6 @@ const WHEEL: &str = "[wheel]\nprofile = \"S1002\"\n";
 /// Coarse enough for seconds.
 const COARSE: &str = "[mesh]\ncontact_element_mm = 6\ncontact_element_along_mm = 6\nwheel_section_element_mm = 40\nwheel_arc_element_mm = 300\n";
 const LOADS: &str = "[calibration]\nload_min_kn = 10\nload_max_kn = 85\nload_count = 4\nhorizontal_preloads_kn = [60]\nfoot_held = true\nshifts_mm = []\n";
-
-fn cache() -> PathBuf {
-    PathBuf::from(env!("CARGO_TARGET_TMPDIR"))
-}
-
-/// One environment for all tests of this file.
-fn python() -> &'static Python {
-    static PYTHON: OnceLock<Python> = OnceLock::new();
-    static MAKING: Mutex<()> = Mutex::new(());
-    let _one = MAKING.lock().unwrap();
-    PYTHON.get_or_init(|| {
-        Python::prepare(None, &cache(), Purpose::FirstOrder, &Silent).unwrap_or_else(|e| panic!("{e}"))
-    })
-}
 
 fn meshes() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/meshes")

@@ -9,13 +9,11 @@ mod layered;
 use std::f64::consts::PI;
 use std::path::PathBuf;
 use std::process::Output;
-use std::sync::{Mutex, OnceLock};
 
+use crate::environment::{cache, python};
 use layered::{DIAMETER, INSIDE, Layered, SIDES, resilient, with_discs};
-use railspring::python::{Purpose, Python};
 use railspring_calibrate::mesh::{Cells, Field, MeshOptions, vtu};
 use railspring_calibrate::pair::Pair;
-use railspring_profiles::monitor::Silent;
 use railspring_profiles::placement::TrackGeometry;
 use railspring_profiles::section::{rail_section, wheel_section};
 use serde_json::Value;
@@ -24,20 +22,6 @@ const COARSE: &str = "[mesh]\ncontact_element_mm = 6\ncontact_element_along_mm =
                       wheel_arc_element_mm = 90\n";
 const LOADS: &str = "[calibration]\nload_min_kn = 10\nload_max_kn = 85\nload_count = 4\nhorizontal_preloads_kn = [60]\nshifts_mm = []\nerror_band = false\n";
 const RUBBER: &str = "young_gpa = 0.006\npoisson = 0.499\ndensity_kg_per_m3 = 1200\n";
-
-fn cache() -> PathBuf {
-    PathBuf::from(env!("CARGO_TARGET_TMPDIR"))
-}
-
-/// One environment for all tests of this file.
-fn python() -> &'static Python {
-    static PYTHON: OnceLock<Python> = OnceLock::new();
-    static MAKING: Mutex<()> = Mutex::new(());
-    let _one = MAKING.lock().unwrap();
-    PYTHON.get_or_init(|| {
-        Python::prepare(None, &cache(), Purpose::FirstOrder, &Silent).unwrap_or_else(|e| panic!("{e}"))
-    })
-}
 
 /// A folder with the mesh of a wheel.
 struct Place {

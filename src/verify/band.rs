@@ -68,28 +68,20 @@ impl Band {
 
 #[cfg(test)]
 mod tests {
-    use railspring_simulate::time::history::{Ending, History, HistoryRow};
+    use railspring_simulate::time::history::{Ending, History};
     use railspring_simulate::time::steps::InnerSteps;
 
     use super::*;
     use crate::verify::Spread;
     use crate::verify::StepChange;
+    use crate::verify::tests::forces_alone;
 
     /// ROUNDOFF: sums and roots of some numbers of order 1e5.
     const ROUNDOFF: f64 = 1e-9;
 
     /// P of 100 kN and `more` (N), Q a fifth of it, at `count` times of 1 ms.
     fn run(count: usize, more: impl Fn(usize) -> f64) -> History {
-        let row = |n: usize| HistoryRow {
-            time: n as f64 * 1e-3,
-            vertical_force: 100e3 + more(n),
-            lateral_force: 0.2 * (100e3 + more(n)),
-            wheel_y: 0.0,
-            wheel_z: 0.0,
-            load_y: 0.0,
-            energy: None,
-            contacts: Vec::new(),
-        };
+        let row = |n: usize| forces_alone(n as f64 * 1e-3, 100e3 + more(n), 0.2 * (100e3 + more(n)));
         History { rows: (0..count).map(row).collect(), degrees_of_freedom: 1, ending: Ending::Completed }
     }
 

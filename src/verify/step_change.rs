@@ -53,7 +53,8 @@ impl std::fmt::Display for StepChange {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use railspring_simulate::time::history::{Ending, HistoryRow};
+    use crate::verify::tests::forces_alone;
+    use railspring_simulate::time::history::Ending;
 
     /// ROUNDOFF: quotients and means of numbers of order one.
     const ROUNDOFF: f64 = 1e-12;
@@ -63,16 +64,7 @@ mod tests {
     fn run(count: usize, share: f64, last: f64) -> History {
         let row = |n: usize| {
             let vertical_force = if n == 4 { 120e3 } else { 100e3 } + if n + 1 == count { last } else { 0.0 };
-            HistoryRow {
-                time: n as f64 * 1e-3,
-                vertical_force,
-                lateral_force: share * vertical_force,
-                wheel_y: 0.0,
-                wheel_z: 0.0,
-                load_y: 0.0,
-                energy: None,
-                contacts: Vec::new(),
-            }
+            forces_alone(n as f64 * 1e-3, vertical_force, share * vertical_force)
         };
         History { rows: (0..count).map(row).collect(), degrees_of_freedom: 1, ending: Ending::Completed }
     }

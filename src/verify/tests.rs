@@ -27,19 +27,25 @@ fn history(
                 normal_force: vertical_force,
                 tangential_force: lateral_force,
             };
-            HistoryRow {
-                time,
-                vertical_force,
-                lateral_force,
-                wheel_y: 0.0,
-                wheel_z: 0.0,
-                load_y: 0.0,
-                energy: None,
-                contacts: mode(time).map(contact).into_iter().collect(),
-            }
+            let contacts = mode(time).map(contact).into_iter().collect();
+            HistoryRow { contacts, ..forces_alone(time, vertical_force, lateral_force) }
         })
         .collect();
     History { rows, degrees_of_freedom: 1, ending: Ending::Completed }
+}
+
+/// A row with forces (N) at a time (s), without a contact or a motion of the wheel.
+pub fn forces_alone(time: f64, vertical_force: f64, lateral_force: f64) -> HistoryRow {
+    HistoryRow {
+        time,
+        vertical_force,
+        lateral_force,
+        wheel_y: 0.0,
+        wheel_z: 0.0,
+        load_y: 0.0,
+        energy: None,
+        contacts: Vec::new(),
+    }
 }
 
 /// Compares two runs of which nothing else is known.

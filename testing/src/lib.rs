@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
-pub use place::{Place, message, said};
+pub use place::{Place, copy, message, said};
 pub use programs::{locked, opensees, stem};
 pub use random::Random;
 

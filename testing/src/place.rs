@@ -5,6 +5,23 @@ use std::process::{Command, Output, Stdio};
 
 use tempfile::TempDir;
 
+/// Copies a folder with all that is in it into another one, which is made if need be.
+///
+/// # Panics
+/// If that cannot be read or written.
+pub fn copy(from: &Path, to: &Path) {
+    std::fs::create_dir_all(to).expect("a folder to copy to");
+    for entry in std::fs::read_dir(from).expect("a folder to copy") {
+        let path = entry.expect("a file to copy").path();
+        let target = to.join(path.file_name().expect("a file has a name"));
+        if path.is_dir() {
+            copy(&path, &target);
+        } else {
+            std::fs::copy(&path, &target).expect("room for a copy");
+        }
+    }
+}
+
 /// An empty folder for one test, removed at the end, and the program that runs in it.
 pub struct Place {
     folder: TempDir,
