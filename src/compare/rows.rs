@@ -8,7 +8,7 @@ use super::side::Side;
 use super::solid::{Solid, loads};
 use super::values::{Compared, Value};
 use crate::report::number::number;
-use crate::results::by_angle::record::{FixedLoadRecord, ShiftRecord};
+use crate::results::by_angle::record::ShiftRecord;
 use crate::results::springs::record::LawRecord;
 use crate::rounding::with_unit;
 use crate::verify::Line;
@@ -181,8 +181,8 @@ pub(super) fn common_shifts<'s>(a: &'s Side, b: &'s Side) -> Vec<[&'s ShiftRecor
 
 /// The tangent of a shift at a fixed load.
 pub(super) fn tangent_at(shift: &ShiftRecord, force_kn: f64, reference: &str) -> Option<Value> {
-    let load: &FixedLoadRecord = shift.loads.iter().find(|load| load.force_kn == force_kn)?;
-    let point = load.references.iter().find(|point| point.reference == reference)?;
+    let load = shift.loads.iter().find(|load| load.force_kn == force_kn)?;
+    let point = load.reference(reference)?;
     let band = shift.band(reference, force_kn).and_then(|band| band.tangent);
     Some(Value::with_band(point.tangent_kn_per_m, band))
 }

@@ -293,7 +293,7 @@ impl ExportRow<'_> {
 fn points(at: &ShiftRecord, reference: &str) -> Vec<TangentRecord> {
     let loads = at.loads.iter();
     let point = |load: &FixedLoadRecord| {
-        let of = load.references.iter().find(|of| of.reference == reference)?;
+        let of = load.reference(reference)?;
         Some(TangentRecord {
             force_kn: load.force_kn,
             displacement_mm: of.displacement_mm,

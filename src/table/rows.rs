@@ -12,7 +12,7 @@ use super::cases::{Case, Table};
 use super::making::PlaceRecord;
 use super::places::Place;
 use crate::engine::columns::{Cell, csv_of_texts};
-use crate::results::by_angle::record::{AngleLawRecord, FixedLoadRecord};
+use crate::results::by_angle::record::AngleLawRecord;
 
 /// Columns that say which place a row is of; the varied keys come after them.
 pub const IDENTITY: [&str; 9] = [
@@ -196,11 +196,7 @@ impl Row {
 
     fn load(&mut self, case: &Case, record: &PlaceRecord, loads: &[f64], load_kn: f64) {
         let at = record.at.loads.iter().find(|at| near(at.force_kn, load_kn));
-        let with = |reference: &str| {
-            let of =
-                |at: &'_ FixedLoadRecord| at.references.iter().find(|at| at.reference == reference).cloned();
-            at.and_then(of)
-        };
+        let with = |reference: &str| at.and_then(|at| at.reference(reference));
         let in_use = with(reference(case));
         let local = with(railspring_calibrate::calibration::Reference::Local.name());
         let band = at.and_then(|at| record.at.band(reference(case), at.force_kn));
@@ -208,8 +204,8 @@ impl Row {
         let hertz = number.and_then(|number| record.hertz_kn_per_m.get(number).copied());
         let share = at.and_then(|at| Some(at.lateral_contact_um_per_kn? * 1e-6 * at.horizontal_kn_per_m));
         let mut put = |name: &str, value: Option<f64>| self.put(format_args!("{name}_at_{load_kn}kn"), value);
-        put("displacement_mm", in_use.as_ref().map(|at| at.displacement_mm));
-        put("stiffness_kn_per_m", in_use.as_ref().map(|at| at.tangent_kn_per_m));
+        put("displacement_mm", in_use.map(|at| at.displacement_mm));
+        put("stiffness_kn_per_m", in_use.map(|at| at.tangent_kn_per_m));
         put("stiffness_rel_error_band", band.and_then(|band| band.tangent));
         put("local_stiffness_kn_per_m", local.map(|at| at.tangent_kn_per_m));
         put("hertz_normal_stiffness_kn_per_m", hertz);
