@@ -12,7 +12,7 @@ pub use made::{rail_section_for_head, wheel_section_for_profile};
 pub use properties::AreaProperties;
 pub use rail::{RailSection, rail_section, rail_section_of, rail_section_on, rail_section_with_head};
 pub use wheel::{
-    RevolvedBody, WheelSection, body_of_revolution, body_of_revolution_mass, wheel_section, wheel_section_of,
-    wheel_section_on, wheel_section_with_profile,
+    RevolvedBody, WheelSection, body_of_revolution, wheel_section, wheel_section_of, wheel_section_on,
+    wheel_section_with_profile,
 };
 pub use wheel_body::{WebShape, WheelBody};

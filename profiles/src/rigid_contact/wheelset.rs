@@ -71,18 +71,6 @@ pub struct ContactPoint {
     pub wheel_curvature: f64,
 }
 
-impl ContactPoint {
-    /// Sum of the curvatures along the track, 1/m: that of the wheel in the plane of the contact's normal.
-    pub fn curvature_along(&self) -> f64 {
-        self.contact_angle.cos() / self.rolling_radius
-    }
-
-    /// Sum of the curvatures across the track, 1/m; near zero on conformal profiles.
-    pub fn curvature_across(&self) -> f64 {
-        self.rail_curvature + self.wheel_curvature
-    }
-}
-
 /// One wheel that has been lowered onto its rail.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SideContact {

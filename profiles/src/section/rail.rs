@@ -4,7 +4,7 @@ use nalgebra::Point2;
 
 use super::join::{Joined, join};
 use super::properties::{AreaProperties, area_moments};
-use super::vertices::{FILLET_STEP, thinned};
+use super::vertices::{FILLET_STEP, close, thinned};
 use crate::error::Result;
 use crate::field::InputField;
 use crate::profile::rails::{RailOutline, rail_outline, running_curve};
@@ -62,9 +62,7 @@ pub fn rail_section_of(name: &str, outline: RailOutline) -> RailSection {
 /// of `rest`.
 pub fn rail_section_on(name: &str, running: ProfileCurve, rest: Vec<Segment>) -> RailSection {
     let mut body = thinned(polyline(&rest, FILLET_STEP));
-    let last = body.len() - 1;
-    body[0] = running.point(running.length());
-    body[last] = running.point(0.0);
+    close(&mut body, &running);
     let height = rest.iter().map(|s| s.end().y).fold(0.0, f64::max);
     let moments = area_moments(&running, &rest);
     let area = AreaProperties {
@@ -90,21 +88,8 @@ pub fn rail_section_with_head(
     findings: &mut Vec<Finding>,
 ) -> Result<RailSection> {
     let Joined { curve: running, seams } = join(&standard.running, head, InputField::RailProfile, findings)?;
-    let moments = area_moments(&running, &standard.body_outline);
-    let mut section = RailSection {
-        name: format!("measured head on {}", standard.name),
-        running,
-        seams: Some(seams),
-        ..standard
-    };
-    let last = section.body.len() - 1;
-    section.body[0] = section.running.point(section.running.length());
-    section.body[last] = section.running.point(0.0);
-    section.area.area = moments.area;
-    section.area.centroid_height = section.height - moments.centroid.y;
-    section.area.ixx = moments.zz;
-    section.area.iyy = moments.yy;
-    Ok(section)
+    let name = format!("measured head on {}", standard.name);
+    Ok(RailSection { seams: Some(seams), ..rail_section_on(&name, running, standard.body_outline) })
 }
 
 #[cfg(test)]

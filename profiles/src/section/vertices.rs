@@ -1,7 +1,8 @@
-//! Vertices of the outline of a body: how near to each other they are.
+//! Vertices of the outline of a body: how near to each other they are, and where they meet the running surface.
 
 use nalgebra::Point2;
 
+use crate::profile::ProfileCurve;
 use crate::units::MILLIMETRE;
 
 /// Largest distance of the vertices on the arcs of a body outline, m.
@@ -24,4 +25,12 @@ pub(super) fn thinned(vertices: Vec<Point2<f64>>) -> Vec<Point2<f64>> {
     }
     kept.push(end);
     kept
+}
+
+/// Puts the ends of a body's `vertices` on those of its `running` surface, bit for bit.
+pub(super) fn close(vertices: &mut [Point2<f64>], running: &ProfileCurve) {
+    if let [first, .., last] = vertices {
+        *first = running.point(running.length());
+        *last = running.point(0.0);
+    }
 }

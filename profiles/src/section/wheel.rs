@@ -6,7 +6,7 @@ use nalgebra::Point2;
 
 use super::join::{Joined, join};
 use super::properties::boundary_integral;
-use super::vertices::{FILLET_STEP, thinned};
+use super::vertices::{FILLET_STEP, close, thinned};
 use super::wheel_body::WheelBody;
 use crate::error::{InputError, Result};
 use crate::field::InputField;
@@ -76,9 +76,7 @@ pub fn wheel_section_on(
     let radius = 0.5 * tape_diameter;
     let body_outline = form.outline(running.point(running.length()), running.point(0.0), radius)?;
     let mut body = polyline(&body_outline, FILLET_STEP);
-    let last = body.len() - 1;
-    body[0] = running.point(running.length());
-    body[last] = running.point(0.0);
+    close(&mut body, &running);
     let bore_radius = 0.5 * form.bore_diameter;
     Ok(WheelSection { name: name.to_owned(), running, body, body_outline, radius, bore_radius, seams: None })
 }
@@ -106,9 +104,7 @@ pub fn wheel_section_of(
         return Err(InputError::new(InputField::TapeDiameter, value, "a bore of 40 to 400 mm", remedy).into());
     }
     let mut body = thinned(polyline(&rest, FILLET_STEP));
-    let last = body.len() - 1;
-    body[0] = running.point(running.length());
-    body[last] = running.point(0.0);
+    close(&mut body, &running);
     Ok(WheelSection {
         name: name.to_owned(),
         running,
@@ -134,16 +130,10 @@ pub fn wheel_section_with_profile(
 ) -> Result<WheelSection> {
     let Joined { curve: running, seams } =
         join(&standard.running, profile, InputField::WheelProfile, findings)?;
-    let mut section = WheelSection {
-        name: format!("measured profile on {}", standard.name),
-        running,
-        seams: Some(seams),
-        ..standard
-    };
-    let last = section.body.len() - 1;
-    section.body[0] = section.running.point(section.running.length());
-    section.body[last] = section.running.point(0.0);
-    Ok(section)
+    let mut body = standard.body;
+    close(&mut body, &running);
+    let name = format!("measured profile on {}", standard.name);
+    Ok(WheelSection { name, running, body, seams: Some(seams), ..standard })
 }
 
 /// Mass properties of the full wheel.
@@ -161,6 +151,13 @@ pub struct RevolvedBody {
 
 /// Mass properties of the section revolved about the axle with the material's `density` (kg/m³), by Pappus and
 /// Green's theorem over the exact outline.
+///
+/// ```
+/// use railspring_profiles::section::{body_of_revolution, wheel_section};
+/// let mass = body_of_revolution(&wheel_section("S1002", 0.860)?, 7850.0).mass;
+/// assert!((mass - 311.4).abs() < 0.1);
+/// # Ok::<(), railspring_profiles::error::Error>(())
+/// ```
 pub fn body_of_revolution(section: &WheelSection, density: f64) -> RevolvedBody {
     let r0 = section.radius;
     // Integrals over the section of ρ, ρ y, ρ³ and ρ y²; ρ depends on z alone, so each is a ∮ … dz.
@@ -176,18 +173,6 @@ pub fn body_of_revolution(section: &WheelSection, density: f64) -> RevolvedBody 
         axle_inertia: factor * third,
         diameter_inertia: factor * (0.5 * third + squared),
     }
-}
-
-/// Mass (kg) of the section revolved about the axle with the material's `density` (kg/m³).
-///
-/// ```
-/// use railspring_profiles::section::{body_of_revolution_mass, wheel_section};
-/// let mass = body_of_revolution_mass(&wheel_section("S1002", 0.860)?, 7850.0);
-/// assert!((mass - 311.4).abs() < 0.1);
-/// # Ok::<(), railspring_profiles::error::Error>(())
-/// ```
-pub fn body_of_revolution_mass(section: &WheelSection, density: f64) -> f64 {
-    body_of_revolution(section, density).mass
 }
 
 #[cfg(test)]
