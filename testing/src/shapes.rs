@@ -4,6 +4,7 @@
 //! radii and slopes from public dimensions. Lengths are mm; y is to the field side, z down.
 
 use std::f64::consts::{FRAC_PI_2, PI};
+use std::sync::LazyLock;
 
 /// A point (y, z), mm.
 pub type Point = [f64; 2];
@@ -60,6 +61,17 @@ impl Pen {
     }
 }
 
+/// What `make` makes of the rows of a table below its heading: a name, and numbers, with semicolons between.
+fn rows<T, const N: usize>(table: &'static str, make: impl Fn(&'static str, [f64; N]) -> T) -> Vec<T> {
+    let row = |line: &'static str| {
+        let mut cells = line.split(';').map(str::trim);
+        let name = cells.next().expect("a line has a first cell");
+        let numbers: Vec<f64> = cells.map(|cell| cell.parse().expect("a number")).collect();
+        make(name, numbers.try_into().expect("a number for each column"))
+    };
+    table.lines().skip(1).map(row).collect()
+}
+
 /// A class of rails: what its head is like, and the sizes of its body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RailClass {
@@ -80,89 +92,11 @@ pub struct RailClass {
 }
 
 /// Classes of rails, from the dimensions of catalogues and textbooks.
-pub const RAILS: [RailClass; 9] = [
-    RailClass {
-        name: "AREMA 136",
-        head: 74.6,
-        crown: [254.0, 19.0, 32.0],
-        corner: 9.5,
-        side: 0.025,
-        depth: 38.0,
-        body: [185.7, 152.4, 17.5],
-    },
-    RailClass {
-        name: "AREMA 115",
-        head: 69.1,
-        crown: [254.0, 21.0, 0.0],
-        corner: 9.5,
-        side: 0.025,
-        depth: 34.0,
-        body: [168.3, 139.7, 15.9],
-    },
-    RailClass {
-        name: "Russia R65",
-        head: 73.0,
-        crown: [500.0, 10.0, 80.0],
-        corner: 15.0,
-        side: 0.05,
-        depth: 35.0,
-        body: [180.0, 150.0, 18.0],
-    },
-    RailClass {
-        name: "Russia R50",
-        head: 70.0,
-        crown: [500.0, 10.0, 80.0],
-        corner: 15.0,
-        side: 0.05,
-        depth: 32.0,
-        body: [152.0, 132.0, 16.0],
-    },
-    RailClass {
-        name: "China 60",
-        head: 70.8,
-        crown: [300.0, 10.0, 80.0],
-        corner: 13.0,
-        side: 0.05,
-        depth: 36.0,
-        body: [176.0, 150.0, 16.5],
-    },
-    RailClass {
-        name: "Japan 60",
-        head: 65.0,
-        crown: [600.0, 12.0, 50.0],
-        corner: 13.0,
-        side: 0.05,
-        depth: 36.0,
-        body: [174.0, 145.0, 16.5],
-    },
-    RailClass {
-        name: "India 52",
-        head: 67.0,
-        crown: [305.0, 12.0, 80.0],
-        corner: 12.7,
-        side: 0.05,
-        depth: 36.0,
-        body: [156.0, 136.0, 15.5],
-    },
-    RailClass {
-        name: "tram, flat bottom",
-        head: 63.0,
-        crown: [225.0, 11.0, 80.0],
-        corner: 12.0,
-        side: 0.0,
-        depth: 30.0,
-        body: [142.0, 120.0, 12.0],
-    },
-    RailClass {
-        name: "metro, bull head crown",
-        head: 69.9,
-        crown: [230.0, 14.0, 65.0],
-        corner: 12.7,
-        side: 0.02,
-        depth: 37.0,
-        body: [158.8, 140.0, 20.0],
-    },
-];
+pub static RAILS: LazyLock<Vec<RailClass>> = LazyLock::new(|| {
+    rows(include_str!("shapes/rails.csv"), |name, [head, c0, c1, c2, corner, side, depth, b0, b1, b2]| {
+        RailClass { name, head, crown: [c0, c1, c2], corner, side, depth, body: [b0, b1, b2] }
+    })
+});
 
 impl RailClass {
     /// The head from the gauge to the field side, top at the origin.
@@ -219,107 +153,22 @@ pub struct WheelClass {
 }
 
 /// Classes of wheels, from public dimensions.
-pub const WHEELS: [WheelClass; 9] = [
-    WheelClass {
-        name: "AAR freight",
-        slopes: [0.05, 0.05],
-        ends: [45.0, 68.0],
-        thickness: 31.0,
-        throat: [38.0, 14.3],
-        face: 75.0,
-        flange: [25.4, 17.5, 12.0],
-        tape: 72.2,
-        diameter: 914.0,
-    },
-    WheelClass {
-        name: "Russia freight",
-        slopes: [0.1, 0.286],
-        ends: [30.0, 54.0],
-        thickness: 33.0,
-        throat: [15.0, 15.0],
-        face: 60.0,
-        flange: [30.0, 14.0, 16.0],
-        tape: 70.0,
-        diameter: 957.0,
-    },
-    WheelClass {
-        name: "China freight",
-        slopes: [0.06, 0.125],
-        ends: [25.0, 60.0],
-        thickness: 32.0,
-        throat: [100.0, 14.0],
-        face: 70.0,
-        flange: [27.0, 18.0, 12.0],
-        tape: 70.0,
-        diameter: 840.0,
-    },
-    WheelClass {
-        name: "Japan, arc tread",
-        slopes: [0.04, 0.05],
-        ends: [30.0, 60.0],
-        thickness: 30.0,
-        throat: [120.0, 15.0],
-        face: 70.0,
-        flange: [30.0, 16.0, 13.0],
-        tape: 65.0,
-        diameter: 860.0,
-    },
-    WheelClass {
-        name: "India, worn tread",
-        slopes: [0.05, 0.1],
-        ends: [32.0, 57.0],
-        thickness: 29.4,
-        throat: [100.0, 14.0],
-        face: 68.2,
-        flange: [28.5, 14.5, 14.5],
-        tape: 63.5,
-        diameter: 915.0,
-    },
-    WheelClass {
-        name: "metro, cylindrical",
-        slopes: [0.0, 0.0],
-        ends: [40.0, 62.0],
-        thickness: 31.0,
-        throat: [16.0, 16.0],
-        face: 70.0,
-        flange: [28.0, 15.0, 12.0],
-        tape: 70.0,
-        diameter: 840.0,
-    },
-    WheelClass {
-        name: "metro, 1:20",
-        slopes: [0.05, 0.1],
-        ends: [35.0, 60.0],
-        thickness: 31.0,
-        throat: [40.0, 14.0],
-        face: 70.0,
-        flange: [29.0, 15.0, 12.0],
-        tape: 70.0,
-        diameter: 790.0,
-    },
-    WheelClass {
-        name: "tram",
-        slopes: [0.025, 0.025],
-        ends: [25.0, 40.0],
-        thickness: 24.0,
-        throat: [13.0, 13.0],
-        face: 72.0,
-        flange: [23.0, 10.0, 9.0],
-        tape: 60.0,
-        diameter: 660.0,
-    },
-    WheelClass {
-        name: "light rail",
-        slopes: [0.033, 0.066],
-        ends: [30.0, 50.0],
-        thickness: 27.0,
-        throat: [40.0, 12.0],
-        face: 75.0,
-        flange: [26.0, 12.0, 11.0],
-        tape: 65.0,
-        diameter: 720.0,
-    },
-];
+pub static WHEELS: LazyLock<Vec<WheelClass>> = LazyLock::new(|| {
+    rows(
+        include_str!("shapes/wheels.csv"),
+        |name, [s0, s1, e0, e1, thickness, t0, t1, face, f0, f1, f2, tape, diameter]| WheelClass {
+            name,
+            slopes: [s0, s1],
+            ends: [e0, e1],
+            thickness,
+            throat: [t0, t1],
+            face,
+            flange: [f0, f1, f2],
+            tape,
+            diameter,
+        },
+    )
+});
 
 impl WheelClass {
     /// The profile from the flange back to the end of the tread, tape circle at the origin. The back is vertical for 15 mm.
