@@ -137,14 +137,9 @@ impl BeamElement<'_> {
     }
 
     /// Rows that interpolate the world displacements y and z of the node line and its rotation
-    /// about x at `xi`; with `hermite` by the published cubic functions, otherwise by those of this element.
-    pub fn section_motion(&self, xi: f64, hermite: bool) -> [Vector12; 3] {
-        let mut rows = if hermite {
-            let slender = BeamSection { shear_y: f64::INFINITY, shear_z: f64::INFINITY, ..*self.section };
-            BeamElement { section: &slender, ..*self }.interpolation(xi)
-        } else {
-            self.interpolation(xi)
-        };
+    /// about x at `xi`.
+    pub fn section_motion(&self, xi: f64) -> [Vector12; 3] {
+        let mut rows = self.interpolation(xi);
         // Columns to world degrees of freedom, then the displacement itself to world axes.
         let turn = self.turn();
         for row in &mut rows {

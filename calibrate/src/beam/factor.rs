@@ -69,16 +69,6 @@ impl ChainFactor {
         Some(Self { elements, element, held, sweeps: [from_first, from_last] })
     }
 
-    /// Number of elements.
-    pub fn elements(&self) -> usize {
-        self.elements
-    }
-
-    /// Numbers stored.
-    pub fn stored_values(&self) -> usize {
-        self.sweeps.iter().map(|sweep| 3 * NODE * NODE * sweep.links.len()).sum()
-    }
-
     /// The equations of the nodes of an element, all others eliminated.
     pub fn meeting(&self, element: usize) -> Meeting {
         let [first, across, second] = &self.element;
@@ -309,7 +299,7 @@ mod tests {
         ] {
             let element = element(inertia);
             let factor = ChainFactor::new(element, elements, held).unwrap();
-            let stored = factor.stored_values() / (6 * NODE * NODE);
+            let stored = factor.sweeps.iter().map(|sweep| sweep.links.len()).sum::<usize>() / 2;
             assert_eq!(stored <= elements, inertia > 0.0 && elements > 1, "{stored} links");
             let matrix = dense(&element, elements, held);
             let free: Vec<usize> = (0..matrix.nrows()).filter(|&i| matrix[(i, i)].is_finite()).collect();

@@ -39,11 +39,6 @@ impl HeldRail {
         }
     }
 
-    /// Length, m.
-    pub fn length(&self) -> f64 {
-        self.length
-    }
-
     /// Flexibility at a place: displacements along y and z (m/N) and rotation (rad/(N·m)) under unit loads there.
     pub fn flexibility(&self, x: f64) -> [f64; 3] {
         let x = x.clamp(0.0, self.length);

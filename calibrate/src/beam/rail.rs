@@ -53,7 +53,6 @@ pub struct RailBeam {
     elements: usize,
     angle: f64,
     ends: [End; 2],
-    hermite: bool,
     products: ElementProducts,
 }
 
@@ -115,22 +114,13 @@ impl RailBeam {
         }
         let element = BeamElement { section: &section, length: length / elements as f64, angle: 0.0 };
         let products = ElementProducts::new(&element, &node_blocks(&element.mass()));
-        let beam = Self { section, length, elements, angle, ends, hermite: false, products };
+        let beam = Self { section, length, elements, angle, ends, products };
         let stands = ends.contains(&End::Fixed) || ends == [End::Pinned; 2];
         // both halves of the beam as an element each
         if !stands || beam.at_node(0.5 * length).is_none() {
             return Err(beam.singular().into());
         }
         Ok(beam)
-    }
-
-    /// Interpolates inside the elements with the cubic Hermite functions of eq. 9 instead of the
-    /// element's own functions. The two agree at the nodes; in between, in short elements, where
-    /// shear dominates, their flexibilities differ by about one per cent.
-    #[must_use]
-    pub fn with_hermite_functions(mut self) -> Self {
-        self.hermite = true;
-        self
     }
 
     /// Length, m.
@@ -160,8 +150,7 @@ impl RailBeam {
     /// As [`Self::new`].
     pub fn corrected(&self, correction: &BeamCorrection) -> Result<Self> {
         let section = self.section.corrected(correction);
-        let corrected = Self::new(section, self.length, self.elements, self.angle, self.ends)?;
-        Ok(Self { hermite: self.hermite, ..corrected })
+        Self::new(section, self.length, self.elements, self.angle, self.ends)
     }
 
     /// The section.
@@ -188,7 +177,7 @@ impl RailBeam {
     /// The section at `x` (m from the first end, clamped to the beam).
     pub fn section_rows(&self, x: f64) -> SectionRows {
         let (element, xi) = self.place(x);
-        let along = self.element(self.pitch()).section_motion(xi, self.hermite);
+        let along = self.element(self.pitch()).section_motion(xi);
         let [y, z, rx] = along.map(|row| [0, 6].map(|node| std::array::from_fn(|i| row[node + 1 + i])));
         let (sin, cos) = self.angle.sin_cos();
         let turned = |of_y: f64, of_z: f64| {

@@ -21,7 +21,7 @@ use crate::solid::{MirrorHalf, NodalMass, Numbering, Symmetry, System, rigid_mot
 use faer::linalg::matmul::matmul;
 use faer::sparse::{SparseColMat, Triplet};
 use faer::{Accum, Mat, MatRef, Par, unzip, zip};
-use nalgebra::{DMatrix, Matrix6, Point3, SymmetricEigen, Vector3};
+use nalgebra::{DMatrix, Matrix6, Point3, Vector3};
 use railspring_profiles::error::{InputError, Result};
 use std::ops::Range;
 
@@ -132,15 +132,6 @@ impl Modes {
             }),
             master: parts[0].master,
         }
-    }
-
-    /// Natural frequencies of the first `count` modes together, Hz, ascending. The lowest are those of the body.
-    pub fn frequencies(&self, count: usize) -> Vec<f64> {
-        let squares = SymmetricEigen::new(self.stiffness(count)).eigenvalues;
-        let mut found: Vec<f64> =
-            squares.iter().map(|square| square.max(0.0).sqrt() / std::f64::consts::TAU).collect();
-        found.sort_by(f64::total_cmp);
-        found
     }
 }
 
@@ -460,6 +451,7 @@ mod tests {
     use super::*;
     use crate::mesh::{BlockOptions, mesh_block};
     use crate::solid::{Formulation, Material, Supports};
+    use nalgebra::SymmetricEigen;
 
     fn element<'a>(mesh: &'a HexMesh, material: Material, supports: &Supports) -> Superelement<'a> {
         let system = System::new(mesh, material, Formulation::IncompatibleModes, supports).unwrap();
@@ -478,7 +470,10 @@ mod tests {
         let material = Material { poisson: 0.0, ..Material::STEEL };
         let supports = Supports { held: mesh.foot.clone(), ..Default::default() };
         let modes = element(&mesh, material, &supports).modes(40).unwrap();
-        let found = modes.frequencies(40);
+        let squares = SymmetricEigen::new(modes.stiffness(40)).eigenvalues;
+        let mut found: Vec<f64> =
+            squares.iter().map(|square| square.max(0.0).sqrt() / std::f64::consts::TAU).collect();
+        found.sort_by(f64::total_cmp);
         let speed = (material.young / material.density).sqrt();
         let bending = 3.516 * speed * width / 12_f64.sqrt() / (std::f64::consts::TAU * length * length);
         assert!((found[0] / bending - 1.0).abs() < MODEL, "{} {bending}", found[0]);

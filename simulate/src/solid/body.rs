@@ -109,9 +109,6 @@ pub(super) trait ElasticBody: LinearPart<Load = BodyLoad> + Sized {
     /// Equations of the mesh.
     fn equations(&self) -> usize;
 
-    /// Values of the factor that a step is solved with.
-    fn factor_values(&self) -> usize;
-
     /// Mass of the whole body, kg.
     fn mass(&self) -> f64;
 

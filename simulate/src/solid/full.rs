@@ -159,10 +159,6 @@ impl ElasticBody for FullBody<'_> {
         self.element.system.numbering.equations
     }
 
-    fn factor_values(&self) -> usize {
-        self.element.factor.stored_values()
-    }
-
     fn mass(&self) -> f64 {
         self.mass.total()
     }

@@ -307,10 +307,6 @@ impl ElasticBody for ReducedBody<'_> {
         self.body.equations + self.hub.len()
     }
 
-    fn factor_values(&self) -> usize {
-        0
-    }
-
     fn mass(&self) -> f64 {
         self.body.mass
     }

@@ -32,7 +32,6 @@ pub(super) struct Run<'m, B: ElasticBody> {
     contact: LastContact,
     rows: Vec<HistoryRow>,
     ending: Ending,
-    most_active: usize,
     steps: StepCounts,
     /// None of bodies that do not give their energies.
     ledger: Option<EnergyLedger>,
@@ -161,7 +160,6 @@ impl<'m, B: ElasticBody> Run<'m, B> {
                 contacts: Vec::new(),
             }],
             ending: Ending::Completed,
-            most_active: 0,
             steps: StepCounts::default(),
             ledger,
         }
@@ -211,7 +209,6 @@ impl<'m, B: ElasticBody> Run<'m, B> {
                 self.ending = Ending::Departed { time, departure };
                 return Ok(None);
             }
-            self.most_active = self.most_active.max(end.contact.solution.active());
             let reached = observe(&Step {
                 displacements: [
                     rail.contact_displacement(&end.states[0]),
@@ -312,8 +309,6 @@ impl<'m, B: ElasticBody> Run<'m, B> {
                 ending: self.ending,
             },
             wheel_mass: wheel.mass(),
-            factor_values: rail.factor_values() + wheel.factor_values(),
-            most_active: self.most_active,
             steps: self.steps,
             longer: None,
             other: None,

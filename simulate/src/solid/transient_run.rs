@@ -11,10 +11,6 @@ pub struct TransientRun {
     pub history: History,
     /// Mass of the meshed wheel, kg.
     pub wheel_mass: f64,
-    /// Values stored in the factors of both bodies; none if they are reduced.
-    pub factor_values: usize,
-    /// Largest number of load-carrying contact points in a step.
-    pub most_active: usize,
     /// Steps of the integration.
     pub steps: StepCounts,
     /// The same with steps of the integration that are twice as long, of bodies at full order the first time steps; none where there are no longer ones.

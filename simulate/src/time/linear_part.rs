@@ -13,7 +13,7 @@
 //! on, so that a part needs no other memory for it, and a run that keeps two states and takes them in turn needs no more.
 
 mod part;
-#[doc(hidden)]
-pub mod conformance;
-
 pub use part::{LinearPart, LinearStep};
+
+#[cfg(test)]
+pub mod conformance;

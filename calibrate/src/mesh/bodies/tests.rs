@@ -7,7 +7,7 @@ use super::super::faces::FACES;
 use super::super::{Quality, quality};
 use super::*;
 use railspring_profiles::placement::{TrackGeometry, place_rail};
-use railspring_profiles::section::{body_of_revolution_mass, rail_section, wheel_section};
+use railspring_profiles::section::{body_of_revolution, rail_section, wheel_section};
 
 /// Rounding of sums over 20 000 elements, relative.
 const ROUNDOFF: f64 = 1e-11;
@@ -139,7 +139,7 @@ fn the_wheel_has_its_volume_good_elements_and_conforms() {
     .unwrap();
     let layers = mesh.nodes.len() / plane.nodes.len();
     // Between two layers a body of revolution becomes sin Δθ / Δθ of itself, whatever its section.
-    let exact = body_of_revolution_mass(&section, 1.0);
+    let exact = body_of_revolution(&section, 1.0).mass;
     let angle = |l: usize| {
         let p = mesh.nodes[l % layers * plane.nodes.len()];
         p.x.atan2(p.z)

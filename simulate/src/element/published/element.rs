@@ -218,7 +218,7 @@ mod tests {
         let element = BeamElement { section: &section, length, angle: 0.0 };
         let n = deflection_functions(xi, length, 0.0);
         let t = global_transformation(&directions(), &[n, n], 1.0 - xi);
-        let [y, z, rx] = element.section_motion(xi, true);
+        let [y, z, rx] = element.section_motion(xi);
         for i in 0..12 {
             assert!((t[(2, 6 + i)] - y[i]).abs() < ROUNDOFF);
             assert!((t[(3, 6 + i)] + z[i]).abs() < ROUNDOFF);

@@ -42,13 +42,6 @@ pub struct SectionFlexibility {
     pub misfit: f64,
 }
 
-impl SectionFlexibility {
-    /// A section that does not move.
-    pub fn rigid() -> Self {
-        Self { flexibility: Matrix3::zeros(), misfit: 0.0 }
-    }
-}
-
 impl RunningSurface<'_> {
     /// Whether the grid has the lines along the track that a flexibility beyond the half-space takes.
     ///
@@ -175,11 +168,6 @@ impl RunningSurface<'_> {
             size += value * value;
         }
         SectionFlexibility { flexibility, misfit: (missed / size).sqrt() }
-    }
-
-    /// Flexibility (y, z; m/N) beyond the half-space at one line of the profile.
-    pub fn at(&self, line: usize) -> Matrix2<f64> {
-        self.beyond_half_space(line, line)
     }
 }
 

@@ -127,7 +127,7 @@ impl Dense {
         let pitch = self.length / self.elements as f64;
         let first = ((x / pitch) as usize).min(self.elements - 1);
         let element = BeamElement { section: &SECTION, length: pitch, angle: ANGLE };
-        let rows = element.section_motion(x / pitch - first as f64, false);
+        let rows = element.section_motion(x / pitch - first as f64);
         [0, 1, 2].map(|i| {
             let mut row = DVector::zeros(self.mass.nrows());
             row.rows_mut(6 * first, 12).copy_from(&(rows[i] * [1.0, -1.0, -1.0][i]));

@@ -63,11 +63,6 @@ impl<'a> ContactStrips<'a> {
         }
     }
 
-    /// Length of the rail's profile, m.
-    pub fn rail_length(&self) -> f64 {
-        self.profiles.rail_length()
-    }
-
     /// Motion of the wheel against the rail from where the strips were found to a pose, in the wheel's frame.
     pub(super) fn motion_to(&self, pose: &Pose) -> Vector3<f64> {
         let Some((found, place)) = &self.found else { return Vector3::zeros() };
