@@ -25,6 +25,7 @@ pub mod element;
 mod surface;
 mod wheel;
 mod support;
+mod travel;
 mod interface;
 mod solve;
 mod model;
@@ -32,10 +33,12 @@ mod departure;
 mod run;
 mod statics;
 
+pub(crate) use departure::at_end;
 pub use model::{HubStatics, InitialMotion, MovingModel, MovingRun, RunStatistics, SectionMotion};
 pub use support::RailSupport;
-pub(crate) use support::{Rail, RailDynamics, RailLoad, RailState};
+pub(crate) use support::{Rail, RailDynamics, RailState};
 pub use surface::SlidingMatrix;
+pub(crate) use travel::Travel;
 pub use wheel::WheelSprings;
 
 #[cfg(test)]

@@ -41,40 +41,36 @@ impl CondensedModel {
     /// [`railspring_profiles::error::NumericsError`] when a step does not converge.
     pub fn run(&self, scenario: &Scenario, monitor: &dyn Monitor) -> Result<MovingRun> {
         self.check(scenario)?;
-        run(self, scenario, monitor)
-    }
-}
-
-/// Runs a checked scenario.
-fn run(model: &CondensedModel, scenario: &Scenario, monitor: &dyn Monitor) -> Result<MovingRun> {
-    let run = Run::new(model, scenario)?;
-    let profiles =
-        Profiles::new(&model.rail.curve, &model.wheel, model.tape, Point2::from(run.references[1]));
-    let mut strips = ContactStrips::new(profiles, &model.element.strips);
-    let now = run.start(&mut strips)?;
-    let mut steps = Steps::new(&run, &now);
-    let mut states = States { next: Box::new(now.clone()), now: Box::new(now) };
-    let mut rows = Vec::with_capacity(scenario.steps + 1);
-    let mut rail = Vec::with_capacity(scenario.steps + 1);
-    rows.push(run.row(0.0, &states.now));
-    rail.push(states.now.section());
-    let mut ending = Ending::Completed;
-    for step in 1..=scenario.steps {
-        monitor.progress("simulate", step - 1, scenario.steps)?;
-        let time = step as f64 * scenario.time_step;
-        let ended = steps.reach_row(step, &mut strips, &mut states).map_err(|error| error.at_step(step))?;
-        if let Some(reason) = ended {
-            ending = reason;
-            break;
+        let run = Run::new(self, scenario)?;
+        let profiles =
+            Profiles::new(&self.rail.curve, &self.wheel, self.tape, Point2::from(run.references[1]));
+        let mut strips = ContactStrips::new(profiles, &self.element.strips);
+        let now = run.start(&mut strips)?;
+        let mut steps = Steps::new(&run, &now);
+        let mut states = States { next: Box::new(now.clone()), now: Box::new(now) };
+        let mut rows = Vec::with_capacity(scenario.steps + 1);
+        let mut rail = Vec::with_capacity(scenario.steps + 1);
+        rows.push(run.row(0.0, &states.now));
+        rail.push(states.now.section());
+        let mut ending = Ending::Completed;
+        for step in 1..=scenario.steps {
+            monitor.progress("simulate", step - 1, scenario.steps)?;
+            let time = step as f64 * scenario.time_step;
+            let ended =
+                steps.reach_row(step, &mut strips, &mut states).map_err(|error| error.at_step(step))?;
+            if let Some(reason) = ended {
+                ending = reason;
+                break;
+            }
+            let state = &mut states.now;
+            state.ledger = state.ledger.stored(&run.stored(state, time));
+            rows.push(run.row(time, state));
+            rail.push(state.section());
         }
-        let state = &mut states.now;
-        state.ledger = state.ledger.stored(&run.stored(state, time));
-        rows.push(run.row(time, state));
-        rail.push(state.section());
+        monitor.progress("simulate", scenario.steps, scenario.steps)?;
+        let history = History { rows, degrees_of_freedom: run.degrees_of_freedom(), ending };
+        Ok(MovingRun { history, rail, statistics: steps.statistics })
     }
-    monitor.progress("simulate", scenario.steps, scenario.steps)?;
-    let history = History { rows, degrees_of_freedom: run.degrees_of_freedom(), ending };
-    Ok(MovingRun { history, rail, statistics: steps.statistics })
 }
 
 /// The steps of a run, one after another.

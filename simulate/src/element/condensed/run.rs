@@ -6,19 +6,19 @@ use nalgebra::{Matrix3, Point2, Rotation2, Vector2, Vector3};
 
 use crate::element::condensed::parts::{Contact, ContactStrips, Pose};
 use crate::time::energy::{EnergyBalance, EnergyLedger, PartEnergy};
-use crate::time::history::{ContactMode, ContactState, Ending, HistoryRow, SurfaceEnd};
+use crate::time::history::{ContactMode, ContactState, Ending, HistoryRow};
 use crate::time::linear_part::{LinearPart, LinearStep};
 use crate::time::newmark::Newmark;
 use crate::time::scenario::Scenario;
+use railspring_calibrate::beam::RailBeam;
 use railspring_profiles::error::{NumericsError, Result, StopReason};
-use railspring_profiles::placement::Departure;
 use railspring_profiles::placement::{departure, lateral_extent};
 
 use super::head::{Head, HeadAt};
 use super::model::CondensedModel;
 use super::step::{Meeting, Side, Step, arm, transport};
 use super::wheel::{self, Free, Wheel, WheelState};
-use crate::element::published::{Rail, RailDynamics, RailLoad, RailState, RailSupport, SectionMotion};
+use crate::element::published::{Rail, RailDynamics, RailState, SectionMotion, Travel, at_end};
 
 /// What a force may be off at the end of a step, N: a ten-thousandth of a usual load.
 const FORCE: f64 = 10.0;
@@ -86,8 +86,7 @@ pub(super) struct Run<'a> {
     pub scenario: &'a Scenario,
     wheel: Wheel<'a>,
     rail: Option<RailDynamics<'a>>,
-    ends: Option<[f64; 2]>,
-    start_x: f64,
+    travel: Travel<'a>,
     pub references: [Vector2<f64>; 2],
     head: Head,
     /// Static stiffness of the middle of the rail with its head (y, z), N/m.
@@ -127,21 +126,15 @@ fn to_world() -> Matrix3<f64> {
 
 impl<'a> Run<'a> {
     pub fn new(model: &'a CondensedModel, scenario: &'a Scenario) -> Result<Self> {
-        let (rail, ends) = match &model.support {
-            RailSupport::Rigid => (None, None),
-            RailSupport::Beam { beam, damping, .. } => {
-                (Some(RailDynamics::new(beam, *damping)), Some([0.0, beam.length()]))
-            }
-        };
         let references = [model.tape.coords, model.support.reference(&model.rail).coords];
         let outlines = [
             Outline::new(model.wheel.knot_points().collect()),
             Outline::new(model.rail.curve.knot_points().map(|p| p - references[1]).collect()),
         ];
         let head = model.head();
-        let rail_stiffness = ends.zip(rail.as_ref()).map_or([0.0; 2], |([_, length], rail)| {
-            let middle = 0.5 * length;
-            let flexibility = rail.beam().section_flexibility(middle) + head.at(middle).flexibility;
+        let rail_stiffness = model.support.beam().map_or([0.0; 2], |beam| {
+            let middle = 0.5 * beam.length();
+            let flexibility = beam.section_flexibility(middle) + head.at(middle).flexibility;
             [0, 1].map(|i| 1.0 / flexibility[(i, i)])
         });
         Ok(Self {
@@ -150,27 +143,18 @@ impl<'a> Run<'a> {
             rail_stiffness,
             wheel: Wheel::new(&model.element.wheel, scenario, model.axle, model.damping)?,
             head,
-            rail,
-            start_x: scenario.start_x.unwrap_or(ends.map_or(0.0, |[from, to]| 0.5 * (from + to))),
-            ends,
+            rail: model.support.dynamics(),
+            travel: Travel::new(scenario, &model.support),
             references,
             outlines,
         })
-    }
-
-    fn wheel_x(&self, time: f64) -> f64 {
-        self.start_x + self.scenario.speed * time
-    }
-
-    fn rail_load(&self, time: f64) -> RailLoad {
-        RailLoad { x: self.wheel_x(time), torsion: self.scenario.rail_torsion.map_or(0.0, |t| t.at(time)) }
     }
 
     /// State at t = 0: hub and rail where the initial motion puts them, rim and head as statics have them between them.
     pub fn start(&self, strips: &mut ContactStrips) -> Result<State> {
         let mut wheel = self.wheel.start(&self.model.initial);
         let rim = self.wheel.rim(&wheel);
-        let load = self.rail_load(0.0);
+        let load = self.travel.load(0.0);
         let head = self.head.at(load.x);
         let step = Step {
             wheel: Side { free: rim, flexibility: self.wheel.rest },
@@ -203,7 +187,7 @@ impl<'a> Run<'a> {
     /// Energy of contacts and of the parts that follow their forces at a `time` (s), J.
     fn elastic(&self, State { at, head, .. }: &State, time: f64) -> f64 {
         let force = at.force();
-        let of_head = head.stored(&self.on_rail(at), self.rail_load(time).torsion);
+        let of_head = head.stored(&self.on_rail(at), self.travel.load(time).torsion);
         at.contacts.elastic().iter().sum::<f64>() + 0.5 * force.dot(&(self.wheel.rest * force)) + of_head
     }
 
@@ -215,13 +199,11 @@ impl<'a> Run<'a> {
         prepared: &Prepared<'_>,
         times: [f64; 2],
     ) -> Result<ControlFlow<Ending, usize>> {
-        // A step's worth of rounding at the far end does not lead off the rail.
-        let (x, to) = (self.wheel_x(times[1]), times[1]);
-        if self.ends.is_some_and(|[first, last]| x < first - 1e-9 || x > last + 1e-9) {
-            return Ok(ControlFlow::Break(Ending::Departed { time: to, departure: Departure::RailEnd }));
+        if let Some(ending) = self.travel.ending(times[1]) {
+            return Ok(ControlFlow::Break(ending));
         }
         let looks = self.step(strips, now, next, prepared, times)?;
-        Ok(self.ending(next, to).map_or(ControlFlow::Continue(looks), ControlFlow::Break))
+        Ok(self.ending(next, times[1]).map_or(ControlFlow::Continue(looks), ControlFlow::Break))
     }
 
     /// Prepares steps of one length, s.
@@ -242,7 +224,7 @@ impl<'a> Run<'a> {
         let Prepared { wheel, rail } = prepared;
         let free = self.wheel.free(wheel, &state.wheel, times);
         let rim = Side { free: free.rim, flexibility: wheel.flexibility + self.wheel.rest };
-        let load = self.rail_load(times[1]);
+        let load = self.travel.load(times[1]);
         let rail_step = match (rail, &state.rail, &mut next.rail) {
             (Some(rail), Some(before), Some(after)) => Some(rail.predict(before, &load, after)),
             _ => None,
@@ -311,7 +293,7 @@ impl<'a> Run<'a> {
         let [before, after] = [&state.at, &next.at];
         let of_rail = match (&self.rail, &state.rail, &next.rail) {
             (Some(dynamics), Some(before), Some(after)) => {
-                let torsions = times.map(|time| self.rail_load(time).torsion);
+                let torsions = times.map(|time| self.travel.load(time).torsion);
                 let torsion = 0.5 * (torsions[0] + torsions[1]);
                 let (heads, forces) =
                     ([&state.head, &next.head], [&state.at, &next.at].map(|at| self.on_rail(at)));
@@ -342,11 +324,7 @@ impl<'a> Run<'a> {
     }
 
     pub fn degrees_of_freedom(&self) -> usize {
-        let beam = match &self.model.support {
-            RailSupport::Rigid => 0,
-            RailSupport::Beam { beam, .. } => beam.unknowns(),
-        };
-        beam + self.wheel.count()
+        self.model.support.beam().map_or(0, RailBeam::unknowns) + self.wheel.count()
     }
 
     /// How a run ends whose step to `time` (s) has this state, if it does.
@@ -362,24 +340,13 @@ impl<'a> Run<'a> {
             }
         }
         let (rail_length, wheel_length) = (self.model.rail.curve.length(), self.model.wheel.length());
-        let departed = |departure| Some(Ending::Departed { time, departure });
         state.at.contacts.list.iter().find_map(|contact| {
-            let aside = wheel.x - rail.x;
-            let too_short = |s: f64| {
-                let rail = self.model.rail.to_profile(&self.model.rail.curve.point(s));
-                Some(Ending::EndOfSurface { time, end: SurfaceEnd::RailProfile, rail })
+            let on_rail_end = [contact.extent[0] <= 0.0, contact.extent[1] >= rail_length];
+            let rail_end = |side: usize| {
+                let s = [0.0, rail_length][side];
+                self.model.rail.to_profile(&self.model.rail.curve.point(s))
             };
-            if contact.wheel_s < 0.0 {
-                departed(Departure::FieldSide)
-            } else if contact.wheel_s > wheel_length {
-                departed(Departure::GaugeSide)
-            } else if contact.extent[0] <= 0.0 {
-                if aside < 0.0 { departed(Departure::GaugeSide) } else { too_short(0.0) }
-            } else if contact.extent[1] >= rail_length {
-                if aside > 0.0 { departed(Departure::FieldSide) } else { too_short(rail_length) }
-            } else {
-                None
-            }
+            at_end([contact.wheel_s, wheel_length], on_rail_end, wheel.x - rail.x, time, rail_end)
         })
     }
 

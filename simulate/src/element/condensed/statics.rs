@@ -9,7 +9,7 @@ use super::contact::Contacts;
 use super::head::HeadAt;
 use super::model::CondensedModel;
 use super::step::{Meeting, Side, Step, arm, transport};
-use crate::element::published::{HubStatics, RailSupport};
+use crate::element::published::HubStatics;
 
 /// What a force may be off where the hub is held, N.
 const FORCE: f64 = 1e-4;
@@ -43,10 +43,7 @@ impl CondensedModel {
         friction: f64,
     ) -> Result<HubStatics> {
         let HeadAt { share, flexibility, .. } = self.head().at(x);
-        let of_beam = match &self.support {
-            RailSupport::Rigid => Matrix3::zeros(),
-            RailSupport::Beam { beam, .. } => beam.section_flexibility(x),
-        };
+        let of_beam = self.support.beam().map_or_else(Matrix3::zeros, |beam| beam.section_flexibility(x));
         self.pressed_on(share * of_beam * share.transpose() + flexibility, direction, force, friction)
     }
 

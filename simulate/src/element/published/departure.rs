@@ -9,7 +9,31 @@ use railspring_profiles::placement::{departure, lateral_extent};
 use super::element::to_plane;
 use super::model::MovingModel;
 use super::solve::Solution;
-use super::surface::ActiveNode;
+
+/// What load on the end of a profile means at `time` (s) with the wheel moved `aside` against the rail (m, to the field side). It is
+/// at an arc length `on_wheel` of the wheel's `length` (m) and perhaps on one of the ends of the rail's profile, which `rail_end` has.
+pub(crate) fn at_end(
+    [on_wheel, length]: [f64; 2],
+    on_rail_end: [bool; 2],
+    aside: f64,
+    time: f64,
+    rail_end: impl Fn(usize) -> Point2<f64>,
+) -> Option<Ending> {
+    let too_short = |side| Ending::EndOfSurface { time, end: SurfaceEnd::RailProfile, rail: rail_end(side) };
+    let departed = |departure| Ending::Departed { time, departure };
+    // The wheel's profile runs from the flange back to the tread's end, the rail's from the gauge face to the field face.
+    if on_wheel < 0.0 {
+        Some(departed(Departure::FieldSide))
+    } else if on_wheel > length {
+        Some(departed(Departure::GaugeSide))
+    } else if on_rail_end[0] {
+        Some(if aside < 0.0 { departed(Departure::GaugeSide) } else { too_short(0) })
+    } else if on_rail_end[1] {
+        Some(if aside > 0.0 { departed(Departure::FieldSide) } else { too_short(1) })
+    } else {
+        None
+    }
+}
 
 /// Points of both running surfaces on their masters, and where the profiles end.
 pub(super) struct Outline {
@@ -53,25 +77,10 @@ impl Outline {
         if let Some(departure) = departure(rail, wheel) {
             return Some(Ending::Departed { time, departure });
         }
-        solution.active.iter().find_map(|active| self.at_end(active, pose[0] - pose[2], time))
-    }
-
-    /// What load on the end of a profile means at `time` (s) with the wheel moved `aside` against the rail (m, to the field side).
-    fn at_end(&self, active: &ActiveNode, aside: f64, time: f64) -> Option<Ending> {
-        let [gauge, field] = self.ends;
-        let too_short = |rail| Ending::EndOfSurface { time, end: SurfaceEnd::RailProfile, rail };
-        let departed = |departure| Ending::Departed { time, departure };
-        // The wheel's spline runs from the flange back to the tread's end, the rail's nodes from the gauge face to the field face.
-        if active.place < 0.0 {
-            Some(departed(Departure::FieldSide))
-        } else if active.place > self.wheel_length {
-            Some(departed(Departure::GaugeSide))
-        } else if active.node == 0 {
-            Some(if aside < 0.0 { departed(Departure::GaugeSide) } else { too_short(gauge) })
-        } else if active.node == self.last {
-            Some(if aside > 0.0 { departed(Departure::FieldSide) } else { too_short(field) })
-        } else {
-            None
-        }
+        solution.active.iter().find_map(|active| {
+            let on_rail_end = [active.node == 0, active.node == self.last];
+            let place = [active.place, self.wheel_length];
+            at_end(place, on_rail_end, pose[0] - pose[2], time, |side| self.ends[side])
+        })
     }
 }

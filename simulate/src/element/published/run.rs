@@ -9,17 +9,18 @@ use crate::time::history::{ContactMode, ContactState, Ending, History, HistoryRo
 use crate::time::linear_part::{LinearPart, LinearStep};
 use crate::time::newmark::{Motion, Newmark};
 use crate::time::scenario::Scenario;
+use railspring_calibrate::beam::RailBeam;
 use railspring_profiles::error::{Error, Result, StopReason};
 use railspring_profiles::monitor::Monitor;
-use railspring_profiles::placement::Departure;
 
 use super::departure::Outline;
 use super::element::to_plane;
 use super::interface::Interface;
 use super::model::{MovingModel, MovingRun, RunStatistics, SectionMotion};
 use super::solve::{Solution, StepSystem, Surroundings};
-use super::support::{RailDynamics, RailLoad, RailState, RailSupport};
+use super::support::{RailDynamics, RailState};
 use super::surface::{ActiveNode, ContactLaw, ContactSurface, Pose, SlidingMatrix};
+use super::travel::Travel;
 use super::wheel::{WheelDynamics, WheelState};
 
 /// Nodes further apart than this on the rail belong to different contacts, m.
@@ -67,9 +68,7 @@ pub(super) struct Run<'a> {
     pub(super) law: ContactLaw,
     /// Arc length and rest position of the rail nodes in the rail's profile frame.
     pub(super) nodes: Vec<(f64, Point2<f64>)>,
-    start_x: f64,
-    /// Ends of the rail, m.
-    ends: Option<[f64; 2]>,
+    travel: Travel<'a>,
     outline: Outline,
     pub(super) evaluations_left: Cell<usize>,
     /// The memory of the last state of the rail but one, for the next.
@@ -92,61 +91,50 @@ impl MovingModel {
     /// [`railspring_profiles::error::NumericsError`] with step, iteration, residual and touching nodes when a step does not converge.
     pub fn run(&self, scenario: &Scenario, monitor: &dyn Monitor) -> Result<MovingRun> {
         self.check(scenario)?;
-        run(self, scenario, monitor)
-    }
-}
-
-/// Runs a checked scenario.
-fn run(model: &MovingModel, scenario: &Scenario, monitor: &dyn Monitor) -> Result<MovingRun> {
-    let run = Run::new(model, scenario)?;
-    let mut surface = run.surface();
-    let mut statistics = RunStatistics::default();
-    let mut penalty_errors = Vec::with_capacity(scenario.steps);
-    let (mut state, solution) = run.start(&mut surface)?;
-    let mut rows = vec![run.row(0.0, &solution, state.ledger.balance())];
-    let mut rail = vec![section_motion(&solution)];
-    let mut ending = Ending::Completed;
-    let inner = scenario.shortest_step();
-    let inner_steps = scenario.inner_steps.most();
-    for number in 0..scenario.steps * inner_steps {
-        let step = number / inner_steps;
-        monitor.progress("simulate", step, scenario.steps)?;
-        let left = run.evaluations_left.get() + EVALUATIONS_A_STEP;
-        run.evaluations_left.set(left);
-        let advanced = run
-            .advance(&mut surface, &mut state, number as f64 * inner, inner, 0, &mut statistics)
-            .map_err(|error| error.at_step(step + 1))?;
-        statistics.evaluations += left - run.evaluations_left.get();
-        let solution = match advanced {
-            Advanced::OnRail(solution) => solution,
-            Advanced::Ended(reason) => {
-                ending = reason;
-                break;
+        let run = Run::new(self, scenario)?;
+        let mut surface = run.surface();
+        let mut statistics = RunStatistics::default();
+        let mut penalty_errors = Vec::with_capacity(scenario.steps);
+        let (mut state, solution) = run.start(&mut surface)?;
+        let mut rows = vec![run.row(0.0, &solution, state.ledger.balance())];
+        let mut rail = vec![section_motion(&solution)];
+        let mut ending = Ending::Completed;
+        let inner = scenario.shortest_step();
+        let inner_steps = scenario.inner_steps.most();
+        for number in 0..scenario.steps * inner_steps {
+            let step = number / inner_steps;
+            monitor.progress("simulate", step, scenario.steps)?;
+            let left = run.evaluations_left.get() + EVALUATIONS_A_STEP;
+            run.evaluations_left.set(left);
+            let advanced = run
+                .advance(&mut surface, &mut state, number as f64 * inner, inner, 0, &mut statistics)
+                .map_err(|error| error.at_step(step + 1))?;
+            statistics.evaluations += left - run.evaluations_left.get();
+            let solution = match advanced {
+                Advanced::OnRail(solution) => solution,
+                Advanced::Ended(reason) => {
+                    ending = reason;
+                    break;
+                }
+            };
+            penalty_errors.push(run.penalty_error(&solution));
+            if (number + 1) % inner_steps == 0 {
+                let time = (step + 1) as f64 * scenario.time_step;
+                rows.push(run.row(time, &solution, state.ledger.balance()));
+                rail.push(section_motion(&solution));
             }
-        };
-        penalty_errors.push(run.penalty_error(&solution));
-        if (number + 1) % inner_steps == 0 {
-            let time = (step + 1) as f64 * scenario.time_step;
-            rows.push(run.row(time, &solution, state.ledger.balance()));
-            rail.push(section_motion(&solution));
         }
+        let largest = penalty_errors.iter().fold(0.0, |m: f64, e| m.max(e.0));
+        let counted = penalty_errors.iter().filter(|e| e.0 >= 0.1 * largest);
+        statistics.penalty_error = counted.fold(0.0, |m: f64, e| m.max(e.1));
+        monitor.progress("simulate", scenario.steps, scenario.steps)?;
+        let history = History { rows, degrees_of_freedom: run.degrees_of_freedom(), ending };
+        Ok(MovingRun { history, rail, statistics })
     }
-    let largest = penalty_errors.iter().fold(0.0, |m: f64, e| m.max(e.0));
-    let counted = penalty_errors.iter().filter(|e| e.0 >= 0.1 * largest);
-    statistics.penalty_error = counted.fold(0.0, |m: f64, e| m.max(e.1));
-    monitor.progress("simulate", scenario.steps, scenario.steps)?;
-    let history = History { rows, degrees_of_freedom: run.degrees_of_freedom(), ending };
-    Ok(MovingRun { history, rail, statistics })
 }
 
 impl<'a> Run<'a> {
     pub(super) fn new(model: &'a MovingModel, scenario: &'a Scenario) -> Result<Self> {
-        let (rail, ends) = match &model.support {
-            RailSupport::Rigid => (None, None),
-            RailSupport::Beam { beam, damping, .. } => {
-                (Some(RailDynamics::new(beam, *damping)), Some([0.0, beam.length()]))
-            }
-        };
         let length = model.rail.curve.length();
         let intervals = (length / model.node_spacing).ceil().max(1.0);
         let nodes: Vec<_> = (0..=intervals as usize)
@@ -162,7 +150,7 @@ impl<'a> Run<'a> {
                 mass: scenario.wheel_mass.unwrap_or(model.wheel_mass),
                 roll_inertia: (!scenario.rotations_held).then_some(model.wheel_inertia[0]),
             },
-            rail,
+            rail: model.support.dynamics(),
             law: ContactLaw {
                 penalty: model.penalty,
                 friction: scenario.friction,
@@ -170,8 +158,7 @@ impl<'a> Run<'a> {
                 sliding: model.sliding,
             },
             nodes,
-            start_x: scenario.start_x.unwrap_or(ends.map_or(0.0, |[from, to]| 0.5 * (from + to))),
-            ends,
+            travel: Travel::new(scenario, &model.support),
             outline,
             evaluations_left: Cell::new(EVALUATIONS_AT_ONCE),
             spare_rail: Cell::default(),
@@ -185,15 +172,6 @@ impl<'a> Run<'a> {
             self.nodes.iter().map(|&(s, _)| to_plane(self.model.rail.curve.point(s) - master)).collect();
         let wheel_centre = to_plane(centre - master);
         ContactSurface::new(&points, &self.model.wheel, self.model.wheel_radius, wheel_centre)
-    }
-
-    fn rail_load(&self, time: f64) -> RailLoad {
-        let torsion = self.scenario.rail_torsion.as_ref().map_or(0.0, |t| t.at(time));
-        RailLoad { x: self.wheel_x(time), torsion }
-    }
-
-    fn wheel_x(&self, time: f64) -> f64 {
-        self.start_x + self.scenario.speed * time
     }
 
     /// State at t = 0: wheel centre and rail where the initial motion puts them, the contact master in balance between them.
@@ -227,7 +205,7 @@ impl<'a> Run<'a> {
         surface.commit(&solution.pose, &solution.active);
         self.dynamics.start(&mut wheel, solution.on_wheel());
         let rail =
-            self.rail.as_ref().map(|r| r.start(&self.rail_load(0.0), solution.on_rail())).transpose()?;
+            self.rail.as_ref().map(|r| r.start(&self.travel.load(0.0), solution.on_rail())).transpose()?;
         let of_rail = self.rail.as_ref().zip(rail.as_ref());
         let of_rail = of_rail.map(|(dynamics, rail)| dynamics.stored(rail));
         // the springs and the contact start in balance, and nothing has slid
@@ -263,11 +241,8 @@ impl<'a> Run<'a> {
         halvings: usize,
         statistics: &mut RunStatistics,
     ) -> Result<Advanced> {
-        // A step's worth of rounding at the far end does not lead off the rail.
-        let x = self.wheel_x(time + step);
-        if self.ends.is_some_and(|[from, to]| x < from - 1e-9 || x > to + 1e-9) {
-            let departed = Ending::Departed { time: time + step, departure: Departure::RailEnd };
-            return Ok(Advanced::Ended(departed));
+        if let Some(ending) = self.travel.ending(time + step) {
+            return Ok(Advanced::Ended(ending));
         }
         match self.step(surface, state, time + step, step) {
             Ok((next, solution)) => {
@@ -317,7 +292,7 @@ impl<'a> Run<'a> {
         let mut moved_rail = rail.as_ref().map(|_| self.spare_rail.take());
         let rail_step = rail.as_ref().zip(state.rail.as_ref()).zip(moved_rail.as_mut());
         let rail_step =
-            rail_step.map(|((rail, state), next)| rail.predict(state, &self.rail_load(time), next));
+            rail_step.map(|((rail, state), next)| rail.predict(state, &self.travel.load(time), next));
         let start = Vector2::new(state.wheel.centre[0].u, state.wheel.centre[1].u);
         let predicted = step
             * (state.wheel.centre[0].v.hypot(state.wheel.centre[1].v)
@@ -345,7 +320,7 @@ impl<'a> Run<'a> {
         if let Some(rail_step) = rail_step {
             rail_step.finish(on_rail.as_slice());
         }
-        let torsion = |time: f64| self.rail_load(time).torsion;
+        let torsion = |time: f64| self.travel.load(time).torsion;
         let of_rail = match (&self.rail, &state.rail, &moved_rail) {
             (Some(dynamics), Some(before), Some(after)) => {
                 let times = [time - step, time];
@@ -390,10 +365,7 @@ impl<'a> Run<'a> {
     }
 
     fn degrees_of_freedom(&self) -> usize {
-        let beam = match &self.model.support {
-            RailSupport::Rigid => 0,
-            RailSupport::Beam { beam, .. } => beam.unknowns(),
-        };
+        let beam = self.model.support.beam().map_or(0, RailBeam::unknowns);
         // A and B in two directions, their common rotation if free, and the suspended mass.
         beam + 4
             + usize::from(!self.scenario.rotations_held)

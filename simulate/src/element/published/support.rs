@@ -41,11 +41,25 @@ impl RailSupport {
         }
     }
 
+    /// The beam, if the rail is one.
+    pub(crate) fn beam(&self) -> Option<&RailBeam> {
+        match self {
+            Self::Rigid => None,
+            Self::Beam { beam, .. } => Some(beam),
+        }
+    }
+
+    /// The beam prepared for a run.
+    pub(crate) fn dynamics(&self) -> Option<RailDynamics<'_>> {
+        match self {
+            Self::Rigid => None,
+            Self::Beam { beam, damping, .. } => Some(RailDynamics::new(beam, *damping)),
+        }
+    }
+
     /// Whether the wheel starts on the rail.
     pub(crate) fn check_start(&self, scenario: &Scenario) -> Result<()> {
-        let Self::Beam { beam, .. } = self else {
-            return Ok(());
-        };
+        let Some(beam) = self.beam() else { return Ok(()) };
         let from = scenario.start_x.unwrap_or(0.5 * beam.length());
         if !scenario.speed.is_finite() {
             let remedy = "correct the value";
@@ -160,10 +174,6 @@ impl<'a> RailDynamics<'a> {
     pub fn new(beam: &'a RailBeam, damping: f64) -> Self {
         let middle = beam.section_rows(0.5 * beam.length());
         Self { beam, damping, middle, prepared: RefCell::default() }
-    }
-
-    pub fn beam(&self) -> &RailBeam {
-        self.beam
     }
 
     /// The section under a wheel at `x`, m from the first end.

@@ -2,6 +2,7 @@
 
 use super::tests::{bridge, flat, profile, published, published_scenario, quiet, relative, rigid};
 use super::*;
+use crate::element::published::RailSupport;
 use crate::time::history::{Ending, SurfaceEnd};
 use crate::time::scenario::{HarmonicForce, Kelvin};
 use crate::time::steps::InnerSteps;

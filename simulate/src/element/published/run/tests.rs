@@ -1,5 +1,6 @@
 use super::*;
 use crate::cases::simply_supported;
+use crate::element::published::RailSupport;
 use crate::element::published::{InitialMotion, WheelSprings};
 use crate::time::history::{ContactMode, HistoryRow};
 use crate::time::scenario::{HarmonicForce, Kelvin};
