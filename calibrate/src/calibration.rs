@@ -296,14 +296,12 @@ pub fn calibrate_normal(
 
 /// The linearised contact of `stage` has no answer.
 fn singular(stage: &str, state: &Pressed) -> NumericsError {
-    NumericsError {
-        stage: format!("{stage} at {:.3} kN", state.load * 1e-3),
-        step: None,
-        iteration: 0,
-        residual: 0.0,
-        active: state.solution.active(),
-        reason: StopReason::Singular,
-    }
+    NumericsError::new(
+        format!("{stage} at {:.3} kN", state.load * 1e-3),
+        StopReason::Singular,
+        0.0,
+        state.solution.active(),
+    )
 }
 
 /// The point of a load by the displacement of the hub.

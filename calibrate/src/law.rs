@@ -102,14 +102,10 @@ fn best_exponent(points: &Points) -> Result<f64> {
     let solver =
         BrentOpt::new(at(best.saturating_sub(1)), at((best + 1).min(SCAN))).set_tolerance(1e-12, 1e-13);
     let failure = |iteration, residual| {
-        Error::from(NumericsError {
-            stage: "law fit".into(),
-            step: None,
-            iteration,
-            residual,
-            active: points.forces.len(),
-            reason: StopReason::NotFinite,
-        })
+        Error::from(
+            NumericsError::new("law fit", StopReason::NotFinite, residual, points.forces.len())
+                .after(iteration),
+        )
     };
     let search = Executor::new(points.clone(), solver)
         .configure(|state| state.max_iters(200))

@@ -175,6 +175,19 @@ pub struct NumericsError {
     pub reason: StopReason,
 }
 
+impl NumericsError {
+    /// A stage that stopped without a step and before any iteration, with `active` contact points.
+    pub fn new(stage: impl Into<String>, reason: StopReason, residual: f64, active: usize) -> Self {
+        Self { stage: stage.into(), step: None, iteration: 0, residual, active, reason }
+    }
+
+    /// The same after so many iterations.
+    #[must_use]
+    pub fn after(self, iteration: usize) -> Self {
+        Self { iteration, ..self }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

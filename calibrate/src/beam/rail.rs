@@ -297,14 +297,7 @@ impl RailBeam {
     }
 
     fn singular(&self) -> NumericsError {
-        NumericsError {
-            stage: "rail beam".into(),
-            step: None,
-            iteration: 0,
-            residual: f64::NAN,
-            active: self.unknowns(),
-            reason: StopReason::Singular,
-        }
+        NumericsError::new("rail beam", StopReason::Singular, f64::NAN, self.unknowns())
     }
 }
 

@@ -112,7 +112,7 @@ impl WheelOnRail<'_> {
     fn settle(&self, load: f64, before: Option<&Pressed>, near: Option<&Pressed>) -> Result<Pressed> {
         let failure = |iteration, residual, active, reason| {
             let stage = format!("contact of wheel and rail at {:.3} kN", load * 1e-3);
-            Error::from(NumericsError { stage, step: None, iteration, residual, active, reason })
+            Error::from(NumericsError::new(stage, reason, residual, active).after(iteration))
         };
         let directions = self.directions();
         let along = self.along.into_inner();

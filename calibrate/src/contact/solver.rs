@@ -85,7 +85,7 @@ fn solve_within(problem: &Problem, start: &[f64], steps: usize, factors: &mut Fa
 
 fn unsolved(state: &State, residual: f64, iteration: usize, reason: StopReason) -> Error {
     let active = state.modes().iter().filter(|m| **m != PointMode::Open).count();
-    NumericsError { stage: "contact".into(), step: None, iteration, residual, active, reason }.into()
+    NumericsError::new("contact", reason, residual, active).after(iteration).into()
 }
 
 /// The solution without friction as a start, and friction raised from there as far as Newton's iteration follows:

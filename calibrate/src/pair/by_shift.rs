@@ -337,13 +337,11 @@ fn carried(wheel_on_rail: &WheelOnRail, load: f64, before: Option<&Pressed>) -> 
     if other < SECOND_REGION * whole {
         return Ok(state);
     }
-    Err(NumericsError {
-        stage: format!("law of one contact at {:.3} kN", load * 1e-3),
-        step: None,
-        iteration: 0,
-        residual: other / whole,
-        active: state.solution.active(),
-        reason: StopReason::SecondRegion,
-    }
+    Err(NumericsError::new(
+        format!("law of one contact at {:.3} kN", load * 1e-3),
+        StopReason::SecondRegion,
+        other / whole,
+        state.solution.active(),
+    )
     .into())
 }

@@ -172,14 +172,7 @@ impl Laplace {
 
     /// One thread, so that the result does not depend on their number.
     fn factor_and_solve(&self, triplets: &[Triplet<usize, usize, f64>], right: &mut Mat<f64>) -> Result<()> {
-        let singular = || NumericsError {
-            stage: "section analysis".into(),
-            step: None,
-            iteration: 0,
-            residual: f64::NAN,
-            active: 0,
-            reason: StopReason::Singular,
-        };
+        let singular = || NumericsError::new("section analysis", StopReason::Singular, f64::NAN, 0);
         let upper =
             SparseColMat::try_new_from_triplets(self.size, self.size, triplets).map_err(|_| singular())?;
         let symbolic = factorize_symbolic_cholesky(

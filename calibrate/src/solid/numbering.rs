@@ -217,14 +217,7 @@ fn dissection_order(mesh: &HexMesh, interior: &[bool]) -> Result<Vec<usize>> {
         indices.append(row);
         starts.push(indices.len() as i32);
     }
-    let failed = || NumericsError {
-        stage: "ordering of the equations".into(),
-        step: None,
-        iteration: 0,
-        residual: 0.0,
-        active: 0,
-        reason: StopReason::Singular,
-    };
+    let failed = || NumericsError::new("ordering of the equations", StopReason::Singular, 0.0, 0);
     let pattern = CscPattern::new(nodes.len(), &starts, &indices).ok_or_else(failed)?;
     let order = metis_order(&pattern).map_err(|_| failed())?;
     Ok(order.iter().map(|&i| nodes[i as usize]).collect())

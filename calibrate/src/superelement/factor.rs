@@ -30,13 +30,8 @@ impl Factor {
     /// # Errors
     /// [`NumericsError`] if the matrix is not positive definite.
     pub fn new(upper: SparseColMatRef<'_, usize, f64>, interior: usize) -> Result<Self> {
-        let failed = |iteration| NumericsError {
-            stage: "factorisation".into(),
-            step: None,
-            iteration,
-            residual: f64::NAN,
-            active: 0,
-            reason: StopReason::Singular,
+        let failed = |iteration| {
+            NumericsError::new("factorisation", StopReason::Singular, f64::NAN, 0).after(iteration)
         };
         let params = CholeskySymbolicParams {
             supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,

@@ -46,14 +46,7 @@ impl FactorSize {
             supernodal_params: SymbolicSupernodalParams { relax: Some(&relax) },
             ..Default::default()
         };
-        let failed = || NumericsError {
-            stage: "size of the factor".into(),
-            step: None,
-            iteration: 0,
-            residual: f64::NAN,
-            active: 0,
-            reason: StopReason::Singular,
-        };
+        let failed = || NumericsError::new("size of the factor", StopReason::Singular, f64::NAN, 0);
         let symbolic = factorize_symbolic_cholesky(pattern, Side::Upper, SymmetricOrdering::Identity, params)
             .map_err(|_| failed())?;
         let SymbolicCholeskyRaw::Supernodal(nodes) = symbolic.raw() else {

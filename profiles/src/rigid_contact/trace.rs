@@ -106,15 +106,7 @@ impl<'a> Trace<'a> {
             }
             found = (found - off / self.wheel.evaluate(found).1.x).clamp(0.0, self.wheel.length());
         }
-        Err(NumericsError {
-            stage: "yawed wheel".into(),
-            step: None,
-            iteration: MAX_STEPS,
-            residual: off,
-            active: 1,
-            reason: StopReason::IterationLimit,
-        }
-        .into())
+        Err(NumericsError::new("yawed wheel", StopReason::IterationLimit, off, 1).after(MAX_STEPS).into())
     }
 
     /// How far ahead of the wheelset's middle the point at the wheel's arc length `s` lies.

@@ -172,14 +172,8 @@ impl Wheelset {
             last = Some((roll, difference));
             roll += difference / fall;
         }
-        Err(NumericsError {
-            stage: "wheelset roll".into(),
-            step: None,
-            iteration: MAX_STEPS,
-            residual: difference,
-            active: 0,
-            reason: StopReason::IterationLimit,
-        }
-        .into())
+        Err(NumericsError::new("wheelset roll", StopReason::IterationLimit, difference, 0)
+            .after(MAX_STEPS)
+            .into())
     }
 }

@@ -523,13 +523,7 @@ fn add_slips(points: &[ContactPoint], rail: &Interface, wheel: &Interface, free:
 }
 
 pub(super) fn failure(residual: f64, active: usize, reason: StopReason) -> Error {
-    NumericsError {
-        stage: "contact of the transient solid model".into(),
-        step: None,
-        iteration: PAIRING_LIMIT,
-        residual,
-        active,
-        reason,
-    }
-    .into()
+    NumericsError::new("contact of the transient solid model", reason, residual, active)
+        .after(PAIRING_LIMIT)
+        .into()
 }

@@ -97,14 +97,13 @@ pub(super) fn run(
             });
         }
         if model.most_modes() <= wanted {
-            return Err(NumericsError {
-                stage: "modes of the transient solid model".into(),
-                step: None,
-                iteration: wanted,
-                residual: reduction.change.into_iter().fold(0.0, f64::max),
-                active: 0,
-                reason: StopReason::TooFewModes,
-            }
+            return Err(NumericsError::new(
+                "modes of the transient solid model",
+                StopReason::TooFewModes,
+                reduction.change.into_iter().fold(0.0, f64::max),
+                0,
+            )
+            .after(wanted)
             .into());
         }
         wanted = (2 * wanted).min(model.most_modes());

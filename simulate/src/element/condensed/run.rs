@@ -264,8 +264,9 @@ impl<'a> Run<'a> {
             return Ok(looks);
         }
         let active = next.at.contacts.list.len();
-        let (stage, reason) = ("condensed element".into(), StopReason::NotFinite);
-        Err(NumericsError { stage, step: None, iteration: looks, residual: f64::NAN, active, reason }.into())
+        Err(NumericsError::new("condensed element", StopReason::NotFinite, f64::NAN, active)
+            .after(looks)
+            .into())
     }
 
     /// Energies of a state at a `time` (s), J.

@@ -113,13 +113,11 @@ impl CondensedModel {
 }
 
 fn unreached(force: f64, contacts: &Contacts) -> railspring_profiles::error::Error {
-    NumericsError {
-        stage: "hub pressed on the condensed element".into(),
-        step: None,
-        iteration: 0,
-        residual: force,
-        active: contacts.list.len(),
-        reason: StopReason::IterationLimit,
-    }
+    NumericsError::new(
+        "hub pressed on the condensed element",
+        StopReason::IterationLimit,
+        force,
+        contacts.list.len(),
+    )
     .into()
 }

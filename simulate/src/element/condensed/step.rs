@@ -175,6 +175,5 @@ fn failure(
     reason: StopReason,
 ) -> railspring_profiles::error::Error {
     let active = contacts.list.len();
-    NumericsError { stage: "condensed element".into(), step: None, iteration, residual, active, reason }
-        .into()
+    NumericsError::new("condensed element", reason, residual, active).after(iteration).into()
 }

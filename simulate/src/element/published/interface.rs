@@ -38,13 +38,8 @@ impl Interface {
         let scale = Vector3::from_fn(|i, _| if held[i] { 0.0 } else { 1.0 / flexibility[(i, i)].sqrt() });
         let scaled =
             Matrix3::from_fn(|i, j| if i == j { 1.0 } else { scale[i] * flexibility[(i, j)] * scale[j] });
-        let factor = Cholesky::new(scaled).ok_or_else(|| NumericsError {
-            stage: format!("moving solver, {name}"),
-            step: None,
-            iteration: 0,
-            residual: f64::NAN,
-            active: 0,
-            reason: StopReason::Singular,
+        let factor = Cholesky::new(scaled).ok_or_else(|| {
+            NumericsError::new(format!("moving solver, {name}"), StopReason::Singular, f64::NAN, 0)
         })?;
         let inverse = factor.inverse();
         let stiffness = Matrix3::from_fn(|i, j| scale[i] * inverse[(i, j)] * scale[j]);

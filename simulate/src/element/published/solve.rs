@@ -331,5 +331,5 @@ fn newton_step(iteration: usize, balance: &Balance) -> Result<Vector8> {
 }
 
 fn failure(iteration: usize, residual: f64, active: usize, reason: StopReason) -> Error {
-    NumericsError { stage: "moving solver".into(), step: None, iteration, residual, active, reason }.into()
+    NumericsError::new("moving solver", reason, residual, active).after(iteration).into()
 }

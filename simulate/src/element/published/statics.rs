@@ -107,14 +107,12 @@ impl Run<'_> {
 }
 
 fn unreached(force: f64, at: &Solution) -> railspring_profiles::error::Error {
-    NumericsError {
-        stage: "wheel pressed on the published element".into(),
-        step: None,
-        iteration: 0,
-        residual: force,
-        active: at.active.len(),
-        reason: StopReason::IterationLimit,
-    }
+    NumericsError::new(
+        "wheel pressed on the published element",
+        StopReason::IterationLimit,
+        force,
+        at.active.len(),
+    )
     .into()
 }
 

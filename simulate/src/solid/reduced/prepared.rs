@@ -182,13 +182,11 @@ fn inverse(matrix: DMatrix<f64>) -> Result<DMatrix<f64>> {
 fn cholesky(matrix: DMatrix<f64>) -> Result<Cholesky<f64, Dyn>> {
     let symmetric = (&matrix + matrix.transpose()) * 0.5;
     let size = symmetric.nrows();
-    let factor = Cholesky::new(symmetric).ok_or(NumericsError {
-        stage: "matrices of the reduced body".into(),
-        step: None,
-        iteration: 0,
-        residual: f64::NAN,
-        active: size,
-        reason: StopReason::Singular,
-    })?;
+    let factor = Cholesky::new(symmetric).ok_or(NumericsError::new(
+        "matrices of the reduced body",
+        StopReason::Singular,
+        f64::NAN,
+        size,
+    ))?;
     Ok(factor)
 }
