@@ -228,13 +228,12 @@ fn press_each(
     monitor: &dyn Monitor,
 ) -> Result<(Vec<Pressed>, Option<Error>)> {
     if loads.windows(2).any(|w| !(w[1] > w[0])) {
-        return Err(InputError::new(
+        return InputError::refuse(
             InputField::Loads,
             format!("{:?}", loads.iter().map(|l| l * 1e-3).collect::<Vec<_>>()),
             "loads in ascending order",
             "sort them and remove doubles",
-        )
-        .into());
+        );
     }
     let mut states: Vec<Pressed> = Vec::new();
     for (i, &load) in loads.iter().enumerate() {

@@ -85,6 +85,30 @@ impl InputError {
             remedy: printable(remedy.into(), LONGEST_PART),
         }
     }
+
+    /// The same as what comes of it.
+    ///
+    /// # Errors
+    /// Always.
+    pub fn refuse<T>(
+        key: impl Into<String>,
+        value: impl ToString,
+        expected: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> Result<T> {
+        Err(Self::new(key, value, expected, remedy).into())
+    }
+}
+
+/// An error on a line of a file.
+pub(crate) fn on_line(
+    file: &str,
+    line: usize,
+    value: impl ToString,
+    expected: impl Into<String>,
+    remedy: impl Into<String>,
+) -> Error {
+    InputError::new(format!("{file}:{line}"), value, expected, remedy).into()
 }
 
 /// Text that does a terminal no harm: control characters, and those that turn the direction of writing, are escaped;

@@ -145,10 +145,9 @@ fn parse_drawn(
     let text = text::decode(name, bytes)?;
     let ending = Path::new(name).extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     if let Some((line, shown)) = toml_section(&text) {
-        return Err(text::error_at(
+        return Err(text::error_on(
             name,
             line,
-            1,
             shown,
             "the rows of a profile",
             "this is a TOML file such as a study: give the profile file that it names",
@@ -156,7 +155,7 @@ fn parse_drawn(
     }
     if slices::kind(Path::new(name)).is_some() {
         let remedy = "its slices are files of their own: read it by its path, with the slice that is wanted";
-        return Err(text::error_at(name, 1, 1, &ending, "the points of a profile", remedy));
+        return Err(text::error_on(name, 1, &ending, "the points of a profile", remedy));
     }
     let part = Part { name: options.part.as_deref(), field: part_field(options.kind) };
     let raw = match recognised(&text, &ending) {

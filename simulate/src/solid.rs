@@ -73,13 +73,12 @@ impl TransientModel<'_> {
         monitor: &dyn Monitor,
     ) -> Result<TransientRun> {
         if let SolidBodies::Full { .. } = self.bodies {
-            return Err(InputError::new(
+            return InputError::refuse(
                 "a second load case",
                 "bodies at full order",
                 "reduced bodies, which several runs share",
                 "run the two one after the other",
-            )
-            .into());
+            );
         }
         self.run_with(scenario, Some(other), monitor)
     }
@@ -98,7 +97,7 @@ impl TransientModel<'_> {
         self.check(scenario)?;
         if let SolidBodies::Full { .. } = self.bodies {
             let value = "bodies at full order";
-            return Err(InputError::new("a run alone", value, "reduced bodies", "reduce them").into());
+            return InputError::refuse("a run alone", value, "reduced bodies", "reduce them");
         }
         reduction::alone(self, modes, scenario, monitor)
     }
@@ -224,7 +223,7 @@ fn refuse_moving(scenario: &Scenario) -> Result<()> {
             "give it the path (`TransientModel::along`), or set `{}` = false and the simple model runs alone",
             InputField::SolidModel
         );
-        Err(InputError::new(field, value, expected, remedy).into())
+        InputError::refuse(field, value, expected, remedy)
     };
     if scenario.speed != 0.0 {
         return refuse(InputField::Speed, format!("{} m/s", scenario.speed));

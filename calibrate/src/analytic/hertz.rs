@@ -44,13 +44,12 @@ pub struct HertzContact {
 pub fn point_contact(force: f64, radius_x: f64, radius_y: f64, contact_modulus: f64) -> Result<HertzContact> {
     let values = [force, radius_x, radius_y, contact_modulus];
     if values.iter().any(|v| !(v.is_finite() && *v > 0.0)) {
-        return Err(InputError::new(
+        return InputError::refuse(
             "hertz",
             format!("{values:?}"),
             "force, two relative radii and contact modulus, all positive and finite",
             "Hertz contact needs a load and two convex relative curvatures",
-        )
-        .into());
+        );
     }
     let (large, small) = (radius_x.max(radius_y), radius_x.min(radius_y));
     let axes = axis_ratio(large / small);

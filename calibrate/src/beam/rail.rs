@@ -95,22 +95,20 @@ impl RailBeam {
         ends: [End; 2],
     ) -> Result<Self> {
         if !(length.is_finite() && length > 0.0) {
-            return Err(InputError::new(
+            return InputError::refuse(
                 InputField::RailLength,
                 length,
                 "a positive length in metres",
                 "set it",
-            )
-            .into());
+            );
         }
         if !(1..=MOST_ELEMENTS).contains(&elements) {
-            return Err(InputError::new(
+            return InputError::refuse(
                 InputField::BeamElements,
                 elements,
                 format!("1 to {MOST_ELEMENTS} elements"),
                 "the publication has 20",
-            )
-            .into());
+            );
         }
         let element = BeamElement { section: &section, length: length / elements as f64, angle: 0.0 };
         let products = ElementProducts::new(&element, &node_blocks(&element.mass()));

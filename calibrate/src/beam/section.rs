@@ -134,11 +134,10 @@ fn positive(key: &str, values: &[f64]) -> Result<()> {
     if values.iter().all(|v| v.is_finite() && *v > 0.0) {
         return Ok(());
     }
-    Err(InputError::new(
+    InputError::refuse(
         key,
         format!("{values:?}"),
         "positive, finite values",
         "check the units of the section and of the material",
     )
-    .into())
 }

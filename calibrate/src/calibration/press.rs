@@ -40,13 +40,12 @@ impl WheelOnRail<'_> {
     /// or if the iteration does not settle.
     pub fn press(&self, load: f64, before: Option<&Pressed>) -> Result<Pressed> {
         if !(load > 0.0 && load.is_finite()) {
-            return Err(InputError::new(
+            return InputError::refuse(
                 InputField::Loads,
                 format!("{:.4} kN", load * 1e-3),
                 "a positive load",
                 "leave it out, or correct it",
-            )
-            .into());
+            );
         }
         self.field.check(self.enforcement)?;
         let mut error = match self.settle(load, before, before) {

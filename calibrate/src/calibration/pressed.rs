@@ -71,13 +71,12 @@ impl ContactField {
     /// [`InputError`] for penalty springs on a fine grid.
     pub fn check(self, enforcement: Enforcement) -> Result<()> {
         if let (Self::Hybrid | Self::HybridHalved, Enforcement::Penalty(stiffness)) = (self, enforcement) {
-            return Err(InputError::new(
+            return InputError::refuse(
                 InputField::Enforcement,
                 format!("penalty springs of {:e} kN/m", stiffness * 1e-3),
                 "exact contact conditions on a fine grid",
                 "penalty springs stand at the nodes of a mesh: choose exact conditions, or contact between elements",
-            )
-            .into());
+            );
         }
         Ok(())
     }

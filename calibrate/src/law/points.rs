@@ -8,32 +8,29 @@ pub(crate) const LEAST_LOADS: usize = 4;
 /// Refuses points from which no law can be made.
 pub(super) fn check_points(forces: &[f64], stiffness: &[f64]) -> Result<()> {
     if forces.len() != stiffness.len() {
-        return Err(InputError::new(
+        return InputError::refuse(
             "law.points",
             format!("{} forces, {} stiffnesses", forces.len(), stiffness.len()),
             "one stiffness a force",
             "give lists of equal length",
-        )
-        .into());
+        );
     }
     if forces.len() < LEAST_LOADS {
-        return Err(InputError::new(
+        return InputError::refuse(
             "law.points",
             forces.len(),
             "at least 4 points for the three constants and their errors",
             "calibrate at more loads",
-        )
-        .into());
+        );
     }
     for (name, values) in [("force", forces), ("stiffness", stiffness)] {
         if let Some((i, v)) = values.iter().enumerate().find(|(_, v)| !(v.is_finite() && **v > 0.0)) {
-            return Err(InputError::new(
+            return InputError::refuse(
                 format!("law.points[{i}].{name}"),
                 v,
                 "a positive, finite value",
                 "leave out the point or repair the load step it came from",
-            )
-            .into());
+            );
         }
     }
     Ok(())

@@ -36,13 +36,12 @@ impl StiffnessLaw {
         if finite && a >= 0.0 && b >= 0.0 && a + b > 0.0 && (0.0..1.0).contains(&c) {
             return Ok(Self { a, b, c });
         }
-        Err(InputError::new(
+        InputError::refuse(
             "law",
             format!("a = {a} N/m, b = {b} N/m, c = {c}"),
             "a ≥ 0, b ≥ 0, a + b > 0 and 0 ≤ c < 1",
             "fit the law to stiffness that is positive and does not fall with the force",
         )
-        .into())
     }
 
     /// The constants of the publication for the UIC 60 rail and the SKS-700 wheel (section 2.2).

@@ -52,13 +52,12 @@ impl TableLaw {
     pub fn new(forces: &[f64], tangents: &[f64]) -> Result<Self> {
         check_points(forces, tangents)?;
         if let Some(i) = (1..forces.len()).find(|&i| !(forces[i] > forces[i - 1])) {
-            return Err(InputError::new(
+            return InputError::refuse(
                 format!("law.points[{i}].force"),
                 forces[i],
                 format!("a force above the one before, {} N", forces[i - 1]),
                 "sort the points and remove doubles",
-            )
-            .into());
+            );
         }
         let place = |values: &[f64]| values.iter().map(|v| v.ln()).collect::<Vec<_>>();
         let (x, y) = (place(forces), place(tangents));

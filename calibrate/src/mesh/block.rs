@@ -54,13 +54,12 @@ impl BlockOptions {
 pub fn mesh_block(options: &BlockOptions) -> Result<HexMesh> {
     for (name, planes) in [("x", &options.x), ("y", &options.y), ("z", &options.z)] {
         if planes.len() < 2 || !planes.windows(2).all(|p| p[1] > p[0] && p[1].is_finite()) {
-            return Err(InputError::new(
+            return InputError::refuse(
                 format!("block.{name}"),
                 format!("{planes:?}"),
                 "two or more increasing coordinates",
                 "sort them and drop repeated ones",
-            )
-            .into());
+            );
         }
     }
     let (nx, ny, nz) = (options.x.len(), options.y.len(), options.z.len());

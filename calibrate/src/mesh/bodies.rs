@@ -189,13 +189,12 @@ pub(super) fn check_rail_window(length: f64, options: &MeshOptions) -> Result<()
     if length.is_finite() && length > 2.0 * options.window_half_length {
         return Ok(());
     }
-    Err(InputError::new(
+    InputError::refuse(
         InputField::RailLength,
         format!("{length} m"),
         format!("more than the contact window of {:.1} mm", 2e3 * options.window_half_length),
         "take a longer rail or a shorter `window_half_length`",
     )
-    .into())
 }
 
 /// Refuses a contact window that reaches too far around the wheel.
@@ -203,13 +202,12 @@ pub(super) fn check_wheel_window(radius: f64, options: &MeshOptions) -> Result<(
     if options.window_half_length <= 0.5 * radius {
         return Ok(());
     }
-    Err(InputError::new(
+    InputError::refuse(
         InputField::WindowHalfLength,
         format!("{:.1} mm", options.window_half_length * 1e3),
         format!("at most half the wheel's radius of {:.1} mm", radius * 1e3),
         "shorten the contact window",
     )
-    .into())
 }
 
 /// Boundary nodes at the coordinate `z`.

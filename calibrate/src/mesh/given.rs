@@ -70,7 +70,7 @@ pub fn given_rail(
     let bound = |pick: fn(f64, f64) -> f64, start: f64| given.nodes.iter().map(|p| p.x).fold(start, pick);
     let (first, last) = (bound(f64::min, f64::INFINITY), bound(f64::max, f64::NEG_INFINITY));
     if !((first + half).abs() <= END && (last - half).abs() <= END) {
-        return Err(InputError::new(
+        return InputError::refuse(
             InputField::RailMesh,
             format!("a rail from x = {:.3} to {:.3} mm", first / MILLIMETRE, last / MILLIMETRE),
             format!(
@@ -79,8 +79,7 @@ pub fn given_rail(
                 half / MILLIMETRE
             ),
             "x runs along the track with its zero in the middle: move the mesh, or set `rail_length` to its length",
-        )
-        .into());
+        );
     }
     let smooth = Smooth { field: InputField::RailContactSurface, curve, radius: None };
     let contact = smooth.grid(&given.nodes, &faces.outer, &given.contact, options.window_half_length)?;
@@ -125,13 +124,12 @@ pub fn given_wheel(
     let around = angles.first().map_or(TAU, |first| first + TAU - angles[angles.len() - 1]);
     let widest = angles.windows(2).map(|pair| pair[1] - pair[0]).fold(around, f64::max);
     if !(widest <= WIDEST_ANGLE) {
-        return Err(InputError::new(
+        return InputError::refuse(
             InputField::WheelMesh,
             format!("no nodes over {:.1}\u{b0} about the axle", widest.to_degrees()),
             "a full wheel about the y axis",
             "mesh the whole revolution, with the axle on y and the origin in the middle of the hub",
-        )
-        .into());
+        );
     }
     let smooth = Smooth { field: InputField::WheelContactSurface, curve: running, radius: Some(radius) };
     let contact = smooth.grid(&given.nodes, &faces.outer, &given.contact, options.window_half_length)?;
@@ -159,7 +157,7 @@ fn check_solid(given: &GivenMesh, fields: (&str, InputField, InputField)) -> Res
     let GivenMesh { nodes, hexes, contact, held, groups, group_names } = given;
     let (section, file, unit) = fields;
     let refuse = |value: String, expected: &str, remedy: &str| -> Result<Faces> {
-        Err(InputError::new(file, value, expected, remedy).into())
+        InputError::refuse(file, value, expected, remedy)
     };
     let beyond = hexes.iter().flatten().chain(contact).chain(held).find(|&&v| v >= nodes.len());
     if let Some(&v) = beyond {
@@ -191,13 +189,12 @@ fn check_solid(given: &GivenMesh, fields: (&str, InputField, InputField)) -> Res
         .fold(0.0, f64::max);
     if !(SMALLEST..=LARGEST).contains(&extent) {
         let other = if extent > LARGEST { "mm" } else { "m" };
-        return Err(InputError::new(
+        return InputError::refuse(
             unit,
             format!("a {section} of {extent:.6} m"),
             format!("a {section} between {SMALLEST} and {LARGEST} m large"),
             format!("if the file is in {other}, set `{unit}` = \"{other}\""),
-        )
-        .into());
+        );
     }
     if let Some((a, b)) = coincident(nodes, COINCIDENT) {
         return refuse(
@@ -242,7 +239,7 @@ fn check_elements(given: &GivenMesh, file: InputField) -> Result<()> {
     } else {
         "correct these elements: corners that fold over, or nodes in another order than that of VTK, Gmsh and Abaqus"
     };
-    Err(InputError::new(
+    InputError::refuse(
         file,
         format!(
             "{} of {} hexahedra inverted or flat, the first around {} with a scaled Jacobian of {:.3e}",
@@ -254,7 +251,6 @@ fn check_elements(given: &GivenMesh, file: InputField) -> Result<()> {
         "positive Jacobians",
         remedy,
     )
-    .into())
 }
 
 /// Checks that one group reaches the contact surface: the contact sees a half-space there, of one material.
@@ -265,13 +261,12 @@ fn check_contact_material(mesh: &HexMesh, names: &[String], field: InputField) -
     let nodes = mesh.hexes[other].map(|v| mesh.nodes[v]);
     let middle = Point3::from(nodes.iter().map(|p| p.coords).sum::<Vector3<f64>>() / 8.0);
     let [one, two] = [first, other].map(|e| names.get(mesh.group(e)).map_or("", String::as_str));
-    Err(InputError::new(
+    InputError::refuse(
         field,
         format!("{one:?} and {two:?} at the contact surface, the latter around {}", place(&middle)),
         "one group under the whole contact surface within the window, for the contact is that of a half-space of one material",
         "put the elements with a node on the contact surface into one group, or name a shorter surface",
     )
-    .into())
 }
 
 /// Checks that two groups of nodes have none in common; `other` is what the second one is.
@@ -281,13 +276,12 @@ fn check_apart(contact: &[usize], nodes: &[usize], field: InputField, other: &st
     if common == 0 {
         return Ok(());
     }
-    Err(InputError::new(
+    InputError::refuse(
         field,
         format!("{common} nodes that belong to {other} too"),
         "contact nodes that are free to move",
         "name different nodes; a contact node cannot be held",
     )
-    .into())
 }
 
 /// Checks that nodes can hold a body: at least three that do not lie on a line.
@@ -304,13 +298,12 @@ fn check_held(nodes: &[Point3<f64>], held: &[usize], field: InputField, what: &s
     if spread >= OFF_LINE {
         return Ok(());
     }
-    Err(InputError::new(
+    InputError::refuse(
         field,
         format!("{} nodes on a line", held.len()),
         format!("{what}, at least three that are not on a line"),
         "name the nodes of a surface",
     )
-    .into())
 }
 
 #[cfg(test)]

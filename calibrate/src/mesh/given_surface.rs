@@ -82,7 +82,7 @@ impl Smooth<'_> {
         contact.iter().for_each(|&v| named[v] = true);
         let surface: Vec<&[usize; 4]> = outer.iter().filter(|face| face.iter().all(|&v| named[v])).collect();
         if surface.is_empty() {
-            return Err(InputError::new(
+            return InputError::refuse(
                 self.field,
                 format!(
                     "{} nodes, none of the mesh's outer faces has all its four among them",
@@ -90,8 +90,7 @@ impl Smooth<'_> {
                 ),
                 "the nodes of faces on the outside of the mesh",
                 "name the running surface with all its nodes",
-            )
-            .into());
+            );
         }
         // The whole surface may be named; only what the window needs has to be a grid.
         let window = half / self.lever();
@@ -113,7 +112,7 @@ impl Smooth<'_> {
         let (first, last) = extent(placed.iter().map(|p| p.track));
         if !(first <= -reach && last >= reach) {
             let (first, last) = extent(surface.iter().flat_map(|face| face.map(|v| self.track(&nodes[v]))));
-            return Err(InputError::new(
+            return InputError::refuse(
                 self.field,
                 format!("faces from {} to {}", self.shown(first), self.shown(last)),
                 format!(
@@ -122,8 +121,7 @@ impl Smooth<'_> {
                 ),
                 "name a longer surface with its middle at the contact (x = 0, below the axle), or shorten \
                  `window_half_length`",
-            )
-            .into());
+            );
         }
         self.tensor(nodes, &placed, faces.len())
     }
@@ -155,7 +153,7 @@ impl Smooth<'_> {
                      inclination and the gauge"
             }
         };
-        Err(InputError::new(
+        InputError::refuse(
             self.field,
             format!(
                 "{beyond} of {} nodes lie off the running surface, the worst by {:.3} mm at ({:.3}, {:.3}, {:.3}) mm",
@@ -171,7 +169,6 @@ impl Smooth<'_> {
                 if self.radius.is_some() { InputField::WheelMesh } else { InputField::RailMesh }
             ),
         )
-        .into())
     }
 
     /// The tensor grid of the placed nodes.

@@ -155,13 +155,12 @@ impl MeshOptions {
         ];
         for (field, length) in lengths {
             if !(length.is_finite() && length >= SMALLEST_ELEMENT) {
-                return Err(InputError::new(
+                return InputError::refuse(
                     field,
                     format!("{} mm", length * 1e3),
                     format!("{} mm or more", SMALLEST_ELEMENT * 1e3),
                     "check the size of the elements and its unit",
-                )
-                .into());
+                );
             }
         }
         let ratios = [
@@ -171,13 +170,12 @@ impl MeshOptions {
         ];
         for (field, ratio, least) in ratios {
             if !(ratio.is_finite() && ratio >= least && ratio <= LARGEST_RATIO) {
-                return Err(InputError::new(
+                return InputError::refuse(
                     field,
                     ratio,
                     format!("a number from {least} to {LARGEST_RATIO}"),
                     "elements grow away from the contact zone",
-                )
-                .into());
+                );
             }
         }
         Ok(())

@@ -60,7 +60,7 @@ pub fn quality(mesh: &HexMesh) -> Result<Quality> {
         // Also false when a value is not a number.
         if !(scaled > 0.0 && smallest > 0.0) {
             let middle = corner.iter().map(|p| p.coords).sum::<Vector3<f64>>() * (1e3 / 8.0);
-            return Err(InputError::new(
+            return InputError::refuse(
                 "hexahedron",
                 format!(
                     "element {e} around ({:.2}, {:.2}, {:.2}) mm: scaled Jacobian {scaled:.3e}, \
@@ -69,8 +69,7 @@ pub fn quality(mesh: &HexMesh) -> Result<Quality> {
                 ),
                 "positive values",
                 "change the element sizes, or repair the profile there",
-            )
-            .into());
+            );
         }
         if scaled < result.min_scaled_jacobian {
             result.min_scaled_jacobian = scaled;

@@ -117,32 +117,29 @@ impl SectionMesh {
 pub fn mesh_section(outline: &SectionOutline, sizes: &SectionSizes) -> Result<SectionMesh> {
     let broken = |p: &Point2<f64>| !(p.x.is_finite() && p.y.is_finite());
     if let Some(p) = outline.fine.iter().map(|p| &p.point).chain(&outline.rest).find(|p| broken(p)) {
-        return Err(InputError::new(
+        return InputError::refuse(
             "section outline",
             format!("({}, {}) m", p.x, p.y),
             "finite coordinates",
             "repair the profile",
-        )
-        .into());
+        );
     }
     let elements = outline.fine.len().saturating_sub(1);
     if elements < 2 || !elements.is_multiple_of(2) || outline.rest.len() < 3 {
-        return Err(InputError::new(
+        return InputError::refuse(
             "section outline",
             format!("{elements} elements in the fine part, {} points in the rest", outline.rest.len()),
             "an even number of elements and a rest that closes the outline",
             "choose the contact zone anew",
-        )
-        .into());
+        );
     }
     if sizes.layers < 2 || !sizes.layers.is_multiple_of(2) {
-        return Err(InputError::new(
+        return InputError::refuse(
             InputField::Layers,
             sizes.layers,
             "an even number from 2 on",
             "take one layer more or less",
-        )
-        .into());
+        );
     }
     let closed: Vec<Point2<f64>> = outline
         .fine
@@ -201,13 +198,12 @@ fn best_of(outline: &SectionOutline, sizes: &SectionSizes, closed: &[Point2<f64>
         let [y, z] = [middle.x, middle.y].map(|v| v / MILLIMETRE);
         Some(format!("an element of scaled Jacobian {worst:.3} at y = {y:.2}, z = {z:.2} mm of the profile"))
     });
-    Err(InputError::new(
+    InputError::refuse(
         "section outline",
         place.unwrap_or_else(|| "no finite element".into()),
         format!("an outline that is filled with scaled Jacobians above {LEAST_JACOBIAN}"),
         "make the elements of the section smaller; look there for a step, a sharp corner or a narrow part of the outline",
     )
-    .into())
 }
 
 /// A vertex of the coarse boundary of the inner domain, with the edge that follows it.

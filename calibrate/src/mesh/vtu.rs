@@ -95,13 +95,12 @@ pub fn vtu(
     for (fields, count, what) in [(point_data, points.len(), "point"), (cell_data, cells.len(), "cell")] {
         for field in fields {
             if field.len() != count {
-                return Err(InputError::new(
+                return InputError::refuse(
                     format!("{what} data {}", field.name()),
                     format!("{} values", field.len()),
                     format!("{count} values, one for every {what}"),
                     "give the field of this mesh",
-                )
-                .into());
+                );
             }
         }
     }

@@ -153,23 +153,21 @@ fn check(settings: &AngleSettings) -> Result<()> {
     };
     for (loads, least) in [(loads, 4), (fixed_loads, 0)] {
         if loads.len() < least || !ascending(loads) {
-            return Err(InputError::new(
+            return InputError::refuse(
                 InputField::Loads,
                 listed(loads),
                 format!("at least {least} positive loads in ascending order"),
                 "sort them, remove doubles, or add loads",
-            )
-            .into());
+            );
         }
     }
     if !(contact.friction > 0.0) {
-        return Err(InputError::new(
+        return InputError::refuse(
             InputField::Friction,
             contact.friction,
             "a positive coefficient: the horizontal stiffness is that of a sticking wheel",
             "give the coefficient of the pair",
-        )
-        .into());
+        );
     }
     Ok(())
 }

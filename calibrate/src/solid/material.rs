@@ -35,7 +35,7 @@ impl Material {
     /// [`InputError`] naming the constant that is out of range.
     pub fn check(&self) -> Result<()> {
         let refuse = |field: InputField, value: String, expected: &str| {
-            Err(InputError::new(field, value, expected, "correct the material constant").into())
+            InputError::refuse(field, value, expected, "correct the material constant")
         };
         if !(self.young > 0.0 && self.young.is_finite()) {
             return refuse(InputField::Young, format!("{} GPa", self.young * 1e-9), "a positive modulus");

@@ -42,22 +42,20 @@ impl Materials {
         self.of_group.iter().try_for_each(Material::check)?;
         let groups = mesh.groups.iter().max().map_or(1, |last| last + 1);
         if groups > self.of_group.len() {
-            return Err(InputError::new(
+            return InputError::refuse(
                 "materials of a body",
                 format!("{} for {groups} groups", self.of_group.len()),
                 "a material for every group of the mesh",
                 "give one for each",
-            )
-            .into());
+            );
         }
         if let Some(other) = self.of_group.iter().find(|material| material.damping != self.damping()) {
-            return Err(InputError::new(
+            return InputError::refuse(
                 "materials of a body",
                 format!("dampings of {} and {} s", self.damping(), other.damping),
                 "one damping for the whole body",
                 "give all materials of a body the same damping",
-            )
-            .into());
+            );
         }
         Ok(())
     }
@@ -71,7 +69,7 @@ impl Materials {
         let nearly = self.of_group.iter().enumerate().filter(|(_, material)| material.poisson > SINGLE_LAYER);
         for (group, Material { poisson, .. }) in nearly {
             let Some(element) = mesh.single_layer(group) else { continue };
-            return Err(InputError::new(
+            return InputError::refuse(
                 field,
                 format!(
                     "one element of {:?} between others or held nodes around {}, with a Poisson's ratio of {poisson}",
@@ -82,8 +80,7 @@ impl Materials {
                     "two elements through a layer whose Poisson's ratio is above {SINGLE_LAYER}, better four"
                 ),
                 "a single element locks there and is 57 % too stiff at 0.4995: mesh the layer more finely",
-            )
-            .into());
+            );
         }
         Ok(())
     }
@@ -103,13 +100,12 @@ impl Materials {
         let mut elements = points.filter_map(|point| cut.element(point.x, point.y));
         let Some(other) = elements.find(|&e| self.of(mesh, e) != material) else { return Ok(()) };
         let name = names.get(mesh.group(other)).map_or("", String::as_str);
-        Err(InputError::new(
+        InputError::refuse(
             InputField::RailMaterials,
             format!("{name:?} in the section of the rail, around {}", place(mesh, other)),
             "the material of the rail in the whole section: stiffness and shear stresses of the rail's beam are those of one material",
             "leave the section of that group empty, or take the elements of the rail into a group without another material",
         )
-        .into())
     }
 
     /// One for each group.

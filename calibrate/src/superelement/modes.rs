@@ -172,13 +172,12 @@ impl Superelement<'_> {
         let System { mesh, numbering, .. } = &self.system;
         let Numbering { interior, contact, equations, .. } = *numbering;
         if equations > interior + contact {
-            return Err(InputError::new(
+            return InputError::refuse(
                 "modes",
                 "a body whose hub is free",
                 "a body that is held",
                 "condense the body with its hub held",
-            )
-            .into());
+            );
         }
         let mass = self.system.mass_off_contact();
         let master = numbering.master().unwrap_or_else(Point3::origin);

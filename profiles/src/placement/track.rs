@@ -60,23 +60,21 @@ impl TrackGeometry {
         ];
         for (field, value, least, greatest) in in_millimetres {
             if !(least..=greatest).contains(&(value / MILLIMETRE)) {
-                return Err(InputError::new(
+                return InputError::refuse(
                     field,
                     format!("{} mm", value / MILLIMETRE),
                     format!("{least} to {greatest} mm"),
                     "check the value and its unit",
-                )
-                .into());
+                );
             }
         }
         if !(-0.2..=0.2).contains(&self.inclination) {
-            return Err(InputError::new(
+            return InputError::refuse(
                 InputField::Inclination,
                 self.inclination,
                 "a slope between -0.2 and 0.2",
                 "give the slope, for instance 0.025 for 1:40",
-            )
-            .into());
+            );
         }
         Ok(())
     }

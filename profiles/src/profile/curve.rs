@@ -75,13 +75,12 @@ impl ProfileCurve {
         }
         let (knots, cubics, breaks) = Self::joined(pieces);
         if !knots[knots.len() - 1].is_finite() {
-            return Err(InputError::new(
+            return InputError::refuse(
                 "profile",
                 format!("{} points", points.len()),
                 "points that a smooth curve of finite length runs through",
                 "the spacing is too uneven where the line bends: smooth or thin the points",
-            )
-            .into());
+            );
         }
         Ok(Self::assemble(knots, cubics, breaks))
     }
@@ -468,44 +467,40 @@ fn describe(p: &Point2<f64>) -> String {
 
 fn check_points(points: &[Point2<f64>]) -> Result<()> {
     if points.len() < 4 {
-        return Err(InputError::new(
+        return InputError::refuse(
             "profile",
             format!("{} points", points.len()),
             "at least 4 points",
             "measure or sample the profile more densely",
-        )
-        .into());
+        );
     }
     for (i, p) in points.iter().enumerate() {
         if !(p.x.is_finite() && p.y.is_finite()) {
-            return Err(InputError::new(
+            return InputError::refuse(
                 format!("profile.points[{i}]"),
                 describe(p),
                 "finite coordinates",
                 "correct or remove this point",
-            )
-            .into());
+            );
         }
     }
     for i in 1..points.len() {
         let step = points[i] - points[i - 1];
         if step.norm() < SAME_POINT {
-            return Err(InputError::new(
+            return InputError::refuse(
                 format!("profile.points[{i}]"),
                 describe(&points[i]),
                 "a point at least 0.0001 mm from the one before it",
                 "profile out of order: remove the repeated point",
-            )
-            .into());
+            );
         }
         if i >= 2 && (points[i - 1] - points[i - 2]).angle(&step) > STEP_BACK {
-            return Err(InputError::new(
+            return InputError::refuse(
                 format!("profile.points[{i}]"),
                 describe(&points[i]),
                 format!("a point that goes on from {}, not back", describe(&points[i - 1])),
                 "profile out of order: sort the points along the profile, or remove the stray one",
-            )
-            .into());
+            );
         }
     }
     Ok(())
@@ -515,13 +510,12 @@ fn check_kinks(points: usize, kinks: &[usize]) -> Result<()> {
     let mut least = 1;
     for (i, &kink) in kinks.iter().enumerate() {
         if kink < least || kink + 1 >= points {
-            return Err(InputError::new(
+            return InputError::refuse(
                 format!("profile.kinks[{i}]"),
                 kink,
                 format!("the index of an inner point ({least} to {})", points.saturating_sub(2)),
                 "give the kinks in increasing order, each once",
-            )
-            .into());
+            );
         }
         least = kink + 1;
     }

@@ -63,13 +63,12 @@ impl Flange {
     /// [`InputError`] for a height or thickness that the standard does not have.
     pub(super) fn shoulder_radius(&self) -> Result<f64> {
         if !(28.5..=33.0).contains(&(self.thickness / MILLIMETRE)) {
-            return Err(InputError::new(
+            return InputError::refuse(
                 InputField::FlangeThickness,
                 format!("{} mm", self.thickness / MILLIMETRE),
                 "28.5 to 33 mm",
                 "take a thickness of the standard; a flange worn further is a measured profile",
-            )
-            .into());
+            );
         }
         // ROUNDOFF: a height given in mm and converted.
         const ROUNDOFF: f64 = 1e-12;

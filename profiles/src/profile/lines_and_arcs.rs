@@ -32,8 +32,8 @@ use super::rails::RailOutline;
 use super::segment::{Segment, polyline};
 use super::sketch::Sketch;
 use super::split::{Tape, of_ring, split_rail, split_wheel};
-use super::table::{at, rows};
-use crate::error::Result;
+use super::table::rows;
+use crate::error::{Result, on_line};
 use crate::units::MILLIMETRE;
 
 pub use joints::Joint;
@@ -184,7 +184,7 @@ fn check_frame(name: &str, kind: ProfileKind, segments: &[Segment], lines: &[usi
             if top.abs() > OFF_ORIGIN {
                 let value = format!("the highest point at z = {}, z down", mm(top));
                 let remedy = "move the origin to the top of the rail on its axis, or correct `# z:`";
-                return Err(at(name, lines[0], value, "the top of the rail at z = 0", remedy));
+                return Err(on_line(name, lines[0], value, "the top of the rail at z = 0", remedy));
             }
         }
         ProfileKind::Wheel => {
@@ -192,7 +192,7 @@ fn check_frame(name: &str, kind: ProfileKind, segments: &[Segment], lines: &[usi
             if tip.x > 0.0 || tip.y < 10.0 * MILLIMETRE {
                 let value = format!("the lowest point at y = {}, z = {}, z down", mm(tip.x), mm(tip.y));
                 let expected = "the tip of a flange, at negative y and more than 10 mm below the tape circle";
-                return Err(at(name, lines[0], value, expected, "correct `# y:` or `# z:`"));
+                return Err(on_line(name, lines[0], value, expected, "correct `# y:` or `# z:`"));
             }
             // Of a closed section the hub, and a web that is not straight, pass y = 0 above the tread.
             let crossings = points.windows(2).filter(|w| w[0].x <= 0.0 && w[1].x > 0.0).map(|w| {
@@ -204,7 +204,7 @@ fn check_frame(name: &str, kind: ProfileKind, segments: &[Segment], lines: &[usi
                 let value =
                     crossing.map_or("no point at y = 0".into(), |z| format!("z = {} at y = 0", mm(z)));
                 let remedy = "move the origin to the tape circle on the tread";
-                return Err(at(name, lines[0], value, "a tread that passes through the origin", remedy));
+                return Err(on_line(name, lines[0], value, "a tread that passes through the origin", remedy));
             }
         }
     }

@@ -101,13 +101,12 @@ pub fn rail_of_dimensions(dimensions: &RailDimensions) -> Result<RailOutline> {
     const FILLET: f64 = 22.0;
     let refuse = |what: &str, value: f64, expected: String| {
         let remedy = "check the dimension and its unit";
-        Err(InputError::new(
+        InputError::refuse(
             InputField::RailBody,
             format!("{what} of {} mm", in_millimetres(value)),
             expected,
             remedy,
         )
-        .into())
     };
     let RailDimensions { height, foot, head, web, head_depth, foot_depth } = *dimensions;
     for (what, value, [least, greatest]) in [

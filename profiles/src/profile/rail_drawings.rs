@@ -2,8 +2,8 @@
 
 use std::sync::LazyLock;
 
-use super::table::{at, rows};
-use crate::error::{Error, Result};
+use super::table::rows;
+use crate::error::{Error, Result, on_line};
 
 /// Name of the table, for messages.
 const FILE: &str = "rails.csv";
@@ -142,7 +142,7 @@ impl Row {
 
     fn refuse(&self, column: &str, expected: &str) -> Error {
         let value = format!("{column} = {:?}", self.cell(column).unwrap_or_default());
-        at(FILE, self.line, value, expected, "correct or complete the row")
+        on_line(FILE, self.line, value, expected, "correct or complete the row")
     }
 
     /// The numbers of a cell; a slope 1:20 is 1 over 20.

@@ -5,7 +5,7 @@ use std::ops::Range;
 use nalgebra::Point2;
 
 use super::segment::{Segment, polyline};
-use crate::error::{Error, InputError, Result};
+use crate::error::{Result, on_line};
 use crate::units::MILLIMETRE;
 
 /// Lateral part of the tangent from which the side of a head has turned under it: 30° beyond vertical.
@@ -36,10 +36,6 @@ pub(crate) fn of_ring<T: Copy>(ring: &[T], range: Range<usize>) -> Vec<T> {
     range.map(|i| ring[i % ring.len()]).collect()
 }
 
-fn at(name: &str, line: usize, value: &str, expected: &str, remedy: &str) -> Error {
-    InputError::new(format!("{name}:{line}"), value, expected, remedy).into()
-}
-
 /// The running surface and the rest of a closed section of a rail, as ranges in the ring of its segments: the head from where its
 /// sides have not yet turned under it.
 pub(crate) fn split_rail(
@@ -58,7 +54,7 @@ pub(crate) fn split_rail(
         (Some(start), Some(end)) if start < top && top < end && end - start - 1 < n => {
             Ok((start + 1..end, end..start + 1 + n))
         }
-        _ => Err(at(
+        _ => Err(on_line(
             name,
             line,
             "a closed outline without a head",
@@ -88,7 +84,7 @@ pub(crate) fn split_wheel(
     let start = (tip + 1 - n..=tip).rev().take_while(|&i| ring(i).tangent(0.5).x > BACK).last();
     let Some(start) = start else {
         let remedy = "the lower end of the outline is no flange: check that it is a wheel's section, with its axle along y";
-        return Err(at(
+        return Err(on_line(
             name,
             line,
             "a closed outline without a flange",
@@ -106,7 +102,7 @@ pub(crate) fn split_wheel(
     let Some(end) = end else {
         let value = format!("no tread at y = {:.3} mm", tape / MILLIMETRE);
         let expected = "a running surface that passes the tape circle nearly level";
-        return Err(at(
+        return Err(on_line(
             name,
             line,
             &value,
@@ -119,7 +115,7 @@ pub(crate) fn split_wheel(
     if tread - bore < BODY {
         let value = format!("a closed outline {:.2} mm deep below its tread", (tread - bore) / MILLIMETRE);
         let expected = "the body of a wheel below its tread: rim, web, hub and bore; or a running surface that is not closed";
-        return Err(at(
+        return Err(on_line(
             name,
             line,
             &value,

@@ -205,13 +205,12 @@ fn refuse_other_flanges(name: &str, flange: &Flange) -> Result<()> {
     } else {
         return Ok(());
     };
-    Err(InputError::new(
+    InputError::refuse(
         field,
         format!("{} mm", given / MILLIMETRE),
         format!("no other flange than that of {name}"),
         "leave it out: S1002 and EN13715-1in40 have flanges of other sizes",
     )
-    .into())
 }
 
 /// Value and slope of a zone at y, mm.
@@ -383,13 +382,12 @@ fn throat_shift(flange: &Flange) -> Result<f64> {
         return Ok(0.0);
     }
     if shift > 0.0 {
-        return Err(InputError::new(
+        return InputError::refuse(
             InputField::FlangeThickness,
             format!("{} mm", flange.thickness / MILLIMETRE),
             "28.5 to 32.5 mm with S1002, whose moved part would overlap the tread beyond",
             "take a thinner flange",
-        )
-        .into());
+        );
     }
     Ok(shift)
 }

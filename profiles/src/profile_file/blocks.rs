@@ -9,7 +9,7 @@ use super::finding::{Action, Finding, FindingKind};
 use super::measured::{MeasuredPoint, push};
 use super::part::Part;
 use super::rows::{Numbers, PassedOver, Row, broken, row};
-use super::text::{DecimalMark, error_at, shown};
+use super::text::{DecimalMark, error_on, shown};
 use crate::error::Result;
 
 /// Longest step between two parts of one profile, as a part of its extent.
@@ -83,7 +83,7 @@ impl<'a> Blocks<'a> {
             let stated = self.unit.get_or_insert((unit, n));
             if stated.0 != unit {
                 let expected = format!("the unit of line {}", stated.1);
-                return Err(error_at(self.name, n, 1, &shown(text), expected, "give all rows in one unit"));
+                return Err(error_on(self.name, n, &shown(text), expected, "give all rows in one unit"));
             }
         }
         self.passed.words(n, &numbers.words);
@@ -129,14 +129,7 @@ impl<'a> Blocks<'a> {
         let mut blocks = joined(std::mem::take(&mut self.blocks));
         if blocks.is_empty() {
             let remedy = "give the file as the instrument writes it, with its points";
-            return Err(error_at(
-                self.name,
-                1,
-                1,
-                "no points",
-                "rows of numbers, y and z in columns",
-                remedy,
-            ));
+            return Err(error_on(self.name, 1, "no points", "rows of numbers, y and z in columns", remedy));
         }
         let worded = std::mem::take(&mut self.passed.worded);
         let mut findings = std::mem::take(&mut self.passed).findings();
@@ -195,18 +188,16 @@ impl<'a> Blocks<'a> {
         let list = list.join("; ");
         let field = &part.field;
         match part.name {
-            Some(part) => error_at(
+            Some(part) => error_on(
                 self.name,
                 line,
-                1,
                 part,
                 format!("the name or the number of a part of the file: {list}"),
                 format!("give {field} as one of them, or leave it out where there is only one"),
             ),
-            None => error_at(
+            None => error_on(
                 self.name,
                 line,
-                1,
                 &format!("{} profiles", blocks.len()),
                 format!("a single profile; the file has {list}"),
                 format!("say which of them is the profile: give {field}, its name or number"),

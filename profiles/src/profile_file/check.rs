@@ -4,7 +4,7 @@ use nalgebra::{Point2, Vector2};
 
 use super::finding::{Action, Finding, FindingKind, Findings};
 use super::measured::MeasuredPoint;
-use super::text::error_at;
+use super::text::error_on;
 use crate::error::Result;
 use crate::units::MILLIMETRE;
 
@@ -88,7 +88,7 @@ pub(super) fn restore_order(
         .max_by(|&i, &j| step(points, i).total_cmp(&step(points, j)))
         .map_or(1, |i| points[i].line);
     let refuse = |remedy: &str| {
-        error_at(name, longest, 1, "a long step", "points in their order along one profile", remedy)
+        error_on(name, longest, "a long step", "points in their order along one profile", remedy)
     };
     if points.len() > MOST_ORDERED {
         return Err(refuse("the points lie in no order and are too many to be put in one: sort them"));

@@ -15,7 +15,7 @@ use super::raw::{Convention, Raw};
 use super::rows::{Row, row};
 use super::several::{chosen_pair, pairs, stations};
 use super::text::{
-    DecimalMark, begins_like_a_number, column_names, decimal_mark, error_at, fields, lines, number, unit_of,
+    DecimalMark, begins_like_a_number, column_names, decimal_mark, error_on, fields, lines, number, unit_of,
     without_thousands,
 };
 use crate::error::Result;
@@ -148,14 +148,7 @@ impl Heading {
             && unit_y != unit_z
         {
             let value = format!("{}, {}", heads[at.0], heads[at.1]);
-            return Err(error_at(
-                name,
-                *line,
-                1,
-                &value,
-                "y and z in one unit",
-                "convert one of the columns",
-            ));
+            return Err(error_on(name, *line, &value, "y and z in one unit", "convert one of the columns"));
         }
         Ok(y.or(z).map(|unit| (unit, *line)))
     }
@@ -190,7 +183,7 @@ fn parse_plain(name: &str, text: &str, ending: &str, part: &Part) -> Result<Raw>
     let numeric = rows.clone().filter(|(_, row)| begins_like_a_number(row));
     let mark = decimal_mark(name, numeric.clone())?;
     let no_rows = |expected: String, remedy: &str| {
-        error_at(name, 1, 1, text.lines().next().unwrap_or_default(), expected, remedy)
+        error_on(name, 1, text.lines().next().unwrap_or_default(), expected, remedy)
     };
     let mut heading = Heading::default();
     // A comment names the columns if it has as many words as the rows have fields.
@@ -312,10 +305,9 @@ fn refuse_other_formats(name: &str, n: usize, line: &str) -> Result<()> {
         "[FILEINFO]" => "MiniProf .mpt",
         _ => return Ok(()),
     };
-    Err(error_at(
+    Err(error_on(
         name,
         n,
-        1,
         line.trim(),
         "a Simpack, MiniProf, text or CSV file",
         format!("{other} files are not read: export the profile as two columns"),

@@ -23,24 +23,22 @@ pub(super) fn read(
     sketch: &mut Sketch,
 ) -> Result<MeasuredProfile> {
     if let Some(part) = &options.part {
-        return Err(InputError::new(
+        return InputError::refuse(
             name,
             format!("the part {part:?}"),
             "no part: a table of lines and arcs is one profile",
             format!("leave {} out", part_field(options.kind)),
-        )
-        .into());
+        );
     }
     let overrides = Overrides { unit: options.unit, mirrored: options.mirror_y == Some(true) };
     let drawn = parse_drawn(name, text, &overrides, sketch)?;
     if let Some(kind) = options.kind.filter(|kind| *kind != drawn.kind) {
-        return Err(InputError::new(
+        return InputError::refuse(
             name,
             format!("lines and arcs of a {}", drawn.kind.name()),
             format!("those of a {}", kind.name()),
             "give another file, or correct `# profile:` in it",
-        )
-        .into());
+        );
     }
     let points = drawn.points().into_iter().map(|(point, line)| MeasuredPoint { point, line, weight: 1.0 });
     Ok(MeasuredProfile {

@@ -23,8 +23,8 @@ use super::format::ProfileFormat;
 use super::measured::{MeasuredPoint, push};
 use super::part::Part;
 use super::raw::{Convention, Raw};
-use super::text::{error_at, lines, shown};
-use crate::error::{Error, InputError, Result};
+use super::text::{error_on, lines, shown};
+use crate::error::{Error, InputError, Result, on_line};
 use crate::profile::{OF_THE_FILE, Segment, Sketch};
 use crate::units::MILLIMETRE;
 
@@ -54,7 +54,7 @@ pub(super) fn refuse_binary(name: &str, bytes: &[u8]) -> Result<()> {
     if !bytes.starts_with(b"AutoCAD Binary DXF") {
         return Ok(());
     }
-    Err(error_at(name, 1, 1, "binary DXF", "DXF as text", "export the drawing as ASCII DXF"))
+    Err(error_on(name, 1, "binary DXF", "DXF as text", "export the drawing as ASCII DXF"))
 }
 
 /// The lines of a drawing, joined where they meet.
@@ -105,10 +105,9 @@ fn joined(name: &str, text: &str, part: &Part) -> Result<(Joined, bool)> {
                 }
             }
             Shape::Path(_) => {
-                return Err(error_at(
+                return Err(error_on(
                     name,
                     entity.line,
-                    1,
                     "",
                     "finite coordinates",
                     "export the drawing again",
@@ -154,7 +153,7 @@ fn joined(name: &str, text: &str, part: &Part) -> Result<(Joined, bool)> {
         } else {
             "lines without length".into()
         };
-        return Err(error_at(name, 1, 1, &found, expected, remedy));
+        return Err(error_on(name, 1, &found, expected, remedy));
     }
     if let (Some(first), Some(last)) = (left_out.iter().min(), left_out.iter().max()) {
         let count = if left_out.len() == 1 { "1 line".into() } else { format!("{} lines", left_out.len()) };
@@ -180,15 +179,14 @@ pub(super) fn parse(name: &str, text: &str, part: &Part, sketch: &mut Sketch) ->
             let expected = format!("one line, the running surface; the drawing has {}", list());
             let remedy =
                 format!("give {} as the layer or the number of one of them, or close the gaps", part.field);
-            return Err(error_at(name, first_line(&chains[1]), 1, &value, expected, remedy));
+            return Err(error_on(name, first_line(&chains[1]), &value, expected, remedy));
         }
         Some(_) => {
             let expected = format!("the name of a layer or the number of a line: {}", list());
             let remedy = format!("correct {}", part.field);
-            return Err(error_at(
+            return Err(error_on(
                 name,
                 first_line(&chains[0]),
-                1,
                 part.name.unwrap_or_default(),
                 expected,
                 remedy,
@@ -245,7 +243,7 @@ pub(super) fn closed_line(name: &str, text: &str, remedy: &str, sketch: &mut Ske
         if closed.is_empty() {
             let longest = joined.chains.iter().max_by(|a, b| a.path.length().total_cmp(&b.path.length()));
             let Some((chain, [end, start])) = longest.and_then(|c| Some((c, c.path.ends()?))) else {
-                return Err(InputError::new(name, "no line with ends", expected, remedy).into());
+                return InputError::refuse(name, "no line with ends", expected, remedy);
             };
             draw(&joined, sketch);
             let scale = scale(&joined);
@@ -259,13 +257,11 @@ pub(super) fn closed_line(name: &str, text: &str, remedy: &str, sketch: &mut Ske
                 end.y
             );
             let remedy = "close the outline at this place, its ends within 1e-4 of the drawing's extent";
-            return Err(
-                InputError::new(format!("{name}:{}", first_line(chain)), value, expected, remedy).into()
-            );
+            return Err(on_line(name, first_line(chain), value, expected, remedy));
         }
         let value = format!("{} closed lines: {}", closed.len(), joined.list());
         let line = first_line(&joined.chains[closed[1]]);
-        return Err(InputError::new(format!("{name}:{line}"), value, expected, remedy).into());
+        return Err(on_line(name, line, value, expected, remedy));
     };
     let said = describe(chosen, &joined.chains[chosen]);
     let left = joined.chains.len() - 1;
@@ -386,7 +382,7 @@ fn closed(name: &str, chain: &Chain, part: &Part) -> Error {
         "leave the running surface alone on a layer, open at its ends, and give that layer as {}",
         part.field
     );
-    error_at(name, first_line(chain), 1, &value, "an open line, the running surface", remedy)
+    error_on(name, first_line(chain), &value, "an open line, the running surface", remedy)
 }
 
 /// Points on the chain: the vertices of a measured line, or points close enough for the curve.
@@ -405,10 +401,9 @@ fn sample(name: &str, chain: &Chain, findings: &mut Vec<Finding>) -> Result<Vec<
     let length = chain.path.length();
     if !(length <= LONGEST * extent) || extent == 0.0 {
         let value = format!("a line {length:.3} long within {extent:.3}");
-        return Err(error_at(
+        return Err(error_on(
             name,
             first_line(chain),
-            1,
             &value,
             "a single running surface",
             "delete all other lines",

@@ -51,13 +51,12 @@ pub fn format_of_ending(path: &Path) -> Result<(ProfileFormat, Option<ProfileKin
         "csv" => (ProfileFormat::Csv, None),
         "dxf" => (ProfileFormat::Dxf, None),
         _ => {
-            return Err(InputError::new(
+            return InputError::refuse(
                 path.display().to_string(),
                 format!("ending \"{ending}\""),
                 "one of .prr, .prw, .ban, .whl, .txt, .dat, .csv, .dxf",
                 "choose an ending that names the format",
-            )
-            .into());
+            );
         }
     })
 }

@@ -4,7 +4,7 @@ use nalgebra::{Point2, Vector2};
 
 use super::finding::{Action, Finding, FindingKind, Findings};
 use super::measured::MeasuredPoint;
-use super::text::error_at;
+use super::text::error_on;
 use crate::error::Result;
 use crate::units::MILLIMETRE;
 
@@ -37,10 +37,9 @@ pub(super) fn cut_loops(
         if length > LONGEST_LOOP {
             let value =
                 format!("a loop of {:.2} mm back to line {}", length / MILLIMETRE, points[i + 1].line);
-            return Err(error_at(
+            return Err(error_on(
                 name,
                 points[j].line,
-                1,
                 &value,
                 "a line that does not cross itself",
                 "remove the loop, or sort the points along the profile",
@@ -55,10 +54,9 @@ pub(super) fn cut_loops(
         let at = MeasuredPoint { point: crossing, ..points[i + 1] };
         points.splice(i + 1..=j, [at]);
     }
-    Err(error_at(
+    Err(error_on(
         name,
         points[0].line,
-        1,
         "many loops",
         "a line that does not cross itself",
         "sort the points along the profile, or smooth the measurement",
@@ -107,10 +105,9 @@ pub(super) fn first_crossing(
     for group in entries.chunk_by(|a, b| a.0 == b.0) {
         pairs += group.len() * group.len() / 2;
         if pairs > MOST_PAIRS {
-            return Err(error_at(
+            return Err(error_on(
                 name,
                 points[0].line,
-                1,
                 "a tangle",
                 "a line that can be followed",
                 "the points lie too close and in no order: smooth or sort the measurement",

@@ -4,7 +4,7 @@ use nalgebra::Point2;
 
 use super::finding::Finding;
 use super::format::ProfileFormat;
-use super::text::error_at;
+use super::text::error_on;
 use crate::error::Result;
 use crate::profile::ProfileKind;
 use crate::profile::lines_and_arcs::LinesAndArcs;
@@ -55,10 +55,9 @@ pub(super) fn push(
     weight: f64,
 ) -> Result<()> {
     if points.len() >= MOST_POINTS {
-        return Err(error_at(
+        return Err(error_on(
             name,
             line,
-            1,
             "",
             format!("at most {MOST_POINTS} points"),
             "give a single profile, thinned out",

@@ -10,7 +10,7 @@ use super::options::ReadOptions;
 use super::raw::{Convention, Raw};
 use super::sentinels::drop_sentinels;
 use super::shape::Shape;
-use super::text::error_at;
+use super::text::error_on;
 use crate::error::{InputError, Result};
 use crate::field::InputField;
 use crate::profile::ProfileKind;
@@ -42,7 +42,7 @@ pub(super) fn orient(name: &str, mut raw: Raw, options: &ReadOptions) -> Result<
     if raw.points.len() < 4 {
         let line = raw.points.last().map_or(1, |p| p.line);
         let count = format!("{} points", raw.points.len());
-        return Err(error_at(name, line, 1, &count, "at least 4 points", "give the whole profile"));
+        return Err(error_on(name, line, &count, "at least 4 points", "give the whole profile"));
     }
     drop_sentinels(&mut raw.points, &mut raw.findings);
     scale(name, &mut raw, options)?;
@@ -52,7 +52,7 @@ pub(super) fn orient(name: &str, mut raw: Raw, options: &ReadOptions) -> Result<
     {
         let value = format!("({:e}, {:e}) m", p.point.x, p.point.y);
         let expected = format!("a point within {FARTHEST} m of the origin");
-        return Err(error_at(name, p.line, 1, &value, expected, "check the shifts and the unit of the file"));
+        return Err(error_on(name, p.line, &value, expected, "check the shifts and the unit of the file"));
     }
     let groove_at_large_y = leave_running_head(name, &mut raw, options)?;
     let kind = recognise(name, &mut raw, options, groove_at_large_y.is_some())?;
@@ -75,14 +75,14 @@ fn scale(name: &str, raw: &mut Raw, options: &ReadOptions) -> Result<()> {
     let extent = extent(raw.points.iter());
     let lines = (raw.points[0].line, raw.points[raw.points.len() - 1].line);
     let wrong = |line: usize, remedy: &str| {
-        error_at(name, line, 1, &format!("{extent:.4} units across"), "a profile 20 to 400 mm across", remedy)
+        error_on(name, line, &format!("{extent:.4} units across"), "a profile 20 to 400 mm across", remedy)
     };
     let sizes = |unit: f64, least: f64| (least..*EXTENT.start()).contains(&(unit * extent));
     // A scan that is too short in a unit that fits it as such.
     let short = |unit: f64, line: usize| {
         let value = format!("the profile is {:.1} mm wide", unit * extent / MILLIMETRE);
         let remedy = "at least 20 mm are needed: give a scan of the whole head or wheel";
-        error_at(name, line, 1, &value, "a scan 20 to 400 mm wide", remedy)
+        error_on(name, line, &value, "a scan 20 to 400 mm wide", remedy)
     };
     let unit = match (options.unit, raw.unit) {
         (None, Some((unit, line))) if raw.format != ProfileFormat::Dxf && sizes(unit, SHORTEST) => {
@@ -99,7 +99,7 @@ fn scale(name: &str, raw: &mut Raw, options: &ReadOptions) -> Result<()> {
                 let remedy = format!(
                     "$INSUNITS of the drawing says {said}, which does not fit its numbers: give {unit_field}"
                 );
-                return Err(error_at(name, line, 1, &format!("{extent:.4} units across"), expected, remedy));
+                return Err(error_on(name, line, &format!("{extent:.4} units across"), expected, remedy));
             };
             let text = format!(
                 "$INSUNITS of the drawing says {said}, in which it is {:.3} m across: taken as {fitting}, the only unit that fits",
@@ -181,10 +181,9 @@ fn drop_far_off(name: &str, raw: &mut Raw) -> Result<()> {
     if far as f64 > MOST_FAR_OFF * raw.points.len() as f64 {
         let first = raw.points.iter().find(|p| distance(p) > FAR_OFF).map_or(1, |p| p.line);
         let value = format!("{far} points");
-        return Err(error_at(
+        return Err(error_on(
             name,
             first,
-            1,
             &value,
             "points within 250 mm of the profile's middle",
             "give a single profile",
@@ -202,7 +201,7 @@ fn drop_far_off(name: &str, raw: &mut Raw) -> Result<()> {
     drop(spikes);
     raw.points.retain(|p| distance(p) <= FAR_OFF);
     if raw.points.len() < 4 {
-        return Err(error_at(name, 1, 1, "", "at least 4 points", "give the whole profile"));
+        return Err(error_on(name, 1, "", "at least 4 points", "give the whole profile"));
     }
     Ok(())
 }
@@ -236,7 +235,7 @@ fn leave_running_head(name: &str, raw: &mut Raw, options: &ReadOptions) -> Resul
     let Some(aside) = found.set_aside(&mut raw.points) else {
         let value = format!("two heads with a groove {size} between them");
         let remedy = "give the heads of a crossing one by one; of a grooved rail, or of a rail with a check rail, the running head alone";
-        return Err(InputError::new(name, value, "the profile of one head", remedy).into());
+        return InputError::refuse(name, value, "the profile of one head", remedy);
     };
     let what = if width.is_some() { "and the keeper or check rail beyond it" } else { "beside the head" };
     let text = format!("a groove {size} {what}: set aside, the running head is taken");

@@ -13,7 +13,7 @@ use super::measured::{MeasuredPoint, MeasuredProfile};
 use super::replicates::replicates;
 use super::scatter::scatter;
 use super::smooth::smooth;
-use super::text::error_at;
+use super::text::error_on;
 use super::wavelength::wavelength;
 use crate::error::{Error, Result};
 use crate::profile::ProfileCurve;
@@ -207,7 +207,7 @@ fn enough(name: &str, points: &[MeasuredPoint]) -> Result<()> {
     }
     let line = points.first().map_or(1, |p| p.line);
     let value = if points.len() == 1 { "1 point".into() } else { format!("{} points", points.len()) };
-    Err(error_at(name, line, 1, &value, "at least 4 different points", "give the whole profile"))
+    Err(error_on(name, line, &value, "at least 4 different points", "give the whole profile"))
 }
 
 /// Drops points nearer to their predecessor than the curve can use; the last point stays.
@@ -246,7 +246,7 @@ fn in_file(name: &str, points: &[MeasuredPoint], error: Error) -> Error {
         .and_then(|rest| rest.strip_suffix(']'))
         .and_then(|index| index.parse::<usize>().ok());
     match index.and_then(|index| points.get(index)) {
-        Some(p) => error_at(name, p.line, 1, &input.value, &*input.expected, &*input.remedy),
-        None => error_at(name, points[0].line, 1, &input.value, &*input.expected, &*input.remedy),
+        Some(p) => error_on(name, p.line, &input.value, &*input.expected, &*input.remedy),
+        None => error_on(name, points[0].line, &input.value, &*input.expected, &*input.remedy),
     }
 }

@@ -7,7 +7,7 @@ use std::ops::Range;
 use super::blocks::OTHERS;
 use super::finding::{Action, Finding, FindingKind};
 use super::part::Part;
-use super::text::{error_at, unit_of};
+use super::text::{error_on, unit_of};
 use crate::error::Result;
 
 /// A section has at least so many points.
@@ -94,7 +94,7 @@ pub(super) fn chosen_pair(
         let value = part.name.map_or_else(|| format!("{} profiles", pairs.len()), str::to_owned);
         let expected = format!("a single profile; the columns hold {listed}");
         let remedy = format!("say which of them is the profile: give {}, its name or number", part.field);
-        return Err(error_at(name, line, 1, &value, expected, remedy));
+        return Err(error_on(name, line, &value, expected, remedy));
     };
     let pair = pairs.swap_remove(chosen);
     let text = format!(

@@ -17,8 +17,8 @@ use super::part::Part;
 use super::raw::{Convention, Raw};
 use super::rows::{Numbers, PassedOver, Row as Read, broken, row};
 use super::text::{
-    DecimalMark, before_comment, begins_like_a_number, decimal_mark, error_at, lines, number_with_any_mark,
-    unit_of,
+    DecimalMark, before_comment, begins_like_a_number, decimal_mark, error_at, error_on, lines,
+    number_with_any_mark, unit_of,
 };
 use crate::error::Result;
 use crate::profile::ProfileKind;
@@ -75,7 +75,7 @@ struct Entry {
 pub(super) fn parse(name: &str, text: &str, ending: &str, part: &Part) -> Result<Raw> {
     if let Some(wanted) = part.name {
         let remedy = format!("remove {}: a Simpack file holds a single profile", part.field);
-        return Err(error_at(name, 1, 1, wanted, "no part", remedy));
+        return Err(error_on(name, 1, wanted, "no part", remedy));
     }
     let rows = lines(text).map(|(n, line)| (n, without_comment(line)));
     let mark = decimal_mark(name, rows.clone().filter(|(_, row)| begins_like_a_number(row)))?;
@@ -204,7 +204,7 @@ impl<'a> Blocks<'a> {
         let weight = numbers.all.get(2).copied().flatten().unwrap_or(1.0);
         if weight < 0.0 {
             let remedy = "give 1, or 0 for a point that does not count in smoothing";
-            return Err(error_at(self.name, line, 1, &weight.to_string(), "a weight of 0 or more", remedy));
+            return Err(error_on(self.name, line, &weight.to_string(), "a weight of 0 or more", remedy));
         }
         self.passed.words(line, &numbers.words);
         push(self.name, &mut self.points, numbers.y, numbers.z, line, weight)
@@ -264,7 +264,7 @@ impl<'a> Blocks<'a> {
     fn finish(mut self, last: usize, ending: &str) -> Result<Raw> {
         if !self.has_points {
             let expected = "a block of points from point.begin to point.end";
-            return Err(error_at(self.name, last, 1, "", expected, "complete the file"));
+            return Err(error_on(self.name, last, "", expected, "complete the file"));
         }
         let unit = self.unit()?;
         let kind = self.kind.or(match ending {
@@ -312,7 +312,7 @@ impl<'a> Blocks<'a> {
             Some(entry) if entry.value > 0.0 => Ok(Some((1.0 / entry.value, entry.line))),
             Some(entry) => {
                 let (value, expected) = (entry.value.to_string(), "units.len.f above 0, in units a metre");
-                Err(error_at(self.name, entry.line, 1, &value, expected, "give 1000 for mm"))
+                Err(error_on(self.name, entry.line, &value, expected, "give 1000 for mm"))
             }
         }
     }

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use super::finding::{Action, Finding, FindingKind};
 use super::part::Part;
 use super::text::{
-    DecimalMark, LARGEST_FILE, before_comment, decode, error_at, fields, lines, number, shown,
+    DecimalMark, LARGEST_FILE, before_comment, decode, error_on, fields, lines, number, shown,
 };
 use crate::error::{InputError, Result};
 use crate::input;
@@ -64,7 +64,7 @@ pub(super) fn choose(
     })?;
     if self::kind(&file).is_some() {
         let expected = "the file of a single profile";
-        return Err(error_at(&name, slice.line, 1, &slice.file, expected, "name the slice itself"));
+        return Err(error_on(&name, slice.line, &slice.file, expected, "name the slice itself"));
     }
     let steps_back = slices.windows(2).any(|pair| pair[0].position >= pair[1].position);
     let order = if steps_back { "; the positions do not increase" } else { "" };
@@ -86,14 +86,14 @@ fn parse(name: &str, text: &str) -> Result<Vec<Slice>> {
     let mut rows = rows.peekable();
     let mut numbers = |what: &str, count: usize| -> Result<(usize, Vec<f64>)> {
         let Some((n, row)) = rows.next() else {
-            return Err(error_at(name, end, 1, "", what, "complete the list of slices"));
+            return Err(error_on(name, end, "", what, "complete the list of slices"));
         };
         let values: Vec<f64> = fields(row, DecimalMark::Point)
             .iter()
             .map_while(|f| number(f.text, DecimalMark::Point))
             .collect();
         if values.len() < count {
-            return Err(error_at(name, n, 1, row.trim(), what, "correct the line"));
+            return Err(error_on(name, n, row.trim(), what, "correct the line"));
         }
         Ok((n, values))
     };
@@ -103,7 +103,7 @@ fn parse(name: &str, text: &str) -> Result<Vec<Slice>> {
     numbers("the method of interpolation, 1 or 2", 1)?;
     if count[0].fract() != 0.0 || !(1.0..=MOST_SLICES as f64).contains(&count[0]) {
         let expected = format!("a number of slices from 1 to {MOST_SLICES}");
-        return Err(error_at(name, line, 1, &count[0].to_string(), expected, "correct the number"));
+        return Err(error_on(name, line, &count[0].to_string(), expected, "correct the number"));
     }
     let mut slices = Vec::new();
     for (n, row) in rows.take(count[0] as usize) {
@@ -112,21 +112,14 @@ fn parse(name: &str, text: &str) -> Result<Vec<Slice>> {
         let file = quoted(row).or(fields.get(1).map(|field| field.text)).filter(|file| !file.is_empty());
         let (Some(position), Some(file)) = (position, file) else {
             let expected = "position and 'file' of a slice";
-            return Err(error_at(
-                name,
-                n,
-                1,
-                row.trim(),
-                expected,
-                "correct the line, or the number of slices",
-            ));
+            return Err(error_on(name, n, row.trim(), expected, "correct the line, or the number of slices"));
         };
         let position = scaling[1] * (scaling[0] + position);
         slices.push(Slice { position, file: file.to_owned(), line: n });
     }
     if slices.len() < count[0] as usize {
         let expected = format!("{} slices as line {line} says; there are {}", count[0], slices.len());
-        return Err(error_at(name, end, 1, "", expected, "complete the list, or correct the number"));
+        return Err(error_on(name, end, "", expected, "complete the list, or correct the number"));
     }
     Ok(slices)
 }
@@ -160,7 +153,7 @@ fn index(name: &str, slices: &[Slice], unit: &str, part: &Part) -> Result<usize>
         let value = format!("{} slices", slices.len());
         let expected = format!("a single profile; the file has {list}");
         let remedy = format!("say which of them is the profile: give {field}, its name or number");
-        return Err(error_at(name, slices[0].line, 1, &value, expected, remedy));
+        return Err(error_on(name, slices[0].line, &value, expected, remedy));
     };
     let matching = |same: &dyn Fn(&str) -> bool| -> Vec<usize> {
         (0..slices.len()).filter(|&i| same(&slices[i].file)).collect()
@@ -178,11 +171,11 @@ fn index(name: &str, slices: &[Slice], unit: &str, part: &Part) -> Result<usize>
         Some(several) => {
             let line = slices[several[1]].line;
             let expected = format!("a single slice; {} are called so", several.len());
-            Err(error_at(name, line, 1, wanted, expected, format!("give {field} as the number of the slice")))
+            Err(error_on(name, line, wanted, expected, format!("give {field} as the number of the slice")))
         }
         None => {
             let expected = format!("the name or the number of a slice: {list}");
-            Err(error_at(name, slices[0].line, 1, wanted, expected, format!("correct {field}")))
+            Err(error_on(name, slices[0].line, wanted, expected, format!("correct {field}")))
         }
     }
 }

@@ -39,13 +39,12 @@ pub fn smooth(points: &[MeasuredPoint], kinks: &[usize], wavelengths: &[f64]) ->
     const LONGEST: f64 = 20.0 * MILLIMETRE;
     let suits = |wavelength: f64| wavelength > 0.0 && wavelength <= LONGEST;
     if let Some(wavelength) = wavelengths.iter().find(|&&wavelength| !suits(wavelength)) {
-        return Err(InputError::new(
+        return InputError::refuse(
             "smoothing",
             format!("{} mm", wavelength / MILLIMETRE),
             format!("a wavelength above 0 and up to {} mm", LONGEST / MILLIMETRE),
             "2 mm suit most measurements; 0 switches smoothing off, and without a value the scatter decides",
-        )
-        .into());
+        );
     }
     let stiffness = |wavelength: &f64| (wavelength / MILLIMETRE / std::f64::consts::TAU).powi(4);
     let mut smoothed = points.to_vec();
@@ -125,13 +124,12 @@ fn smooth_piece(points: &mut [MeasuredPoint], stiffness: &[f64], held: [Option<u
     let p: Vec<Vector2<f64>> = points.iter().map(|p| p.point.coords / MILLIMETRE).collect();
     let h: Vec<f64> = p.windows(2).map(|w| (w[1] - w[0]).norm()).collect();
     if let Some(i) = h.iter().position(|&h| h.is_nan() || h <= 0.0) {
-        return Err(InputError::new(
+        return InputError::refuse(
             "smoothing",
             format!("line {}", points[i + 1].line),
             "points apart from each other",
             "remove the repeated point",
-        )
-        .into());
+        );
     }
     let stretch = |i: usize| 0.5 * (if i > 0 { h[i - 1] } else { 0.0 } + h.get(i).copied().unwrap_or(0.0));
     let heaviest = points.iter().map(|p| p.weight).fold(0.0, f64::max);

@@ -26,6 +26,17 @@ pub(super) fn error_at(
         .into()
 }
 
+/// The same where a line begins.
+pub(super) fn error_on(
+    name: &str,
+    line: usize,
+    value: &str,
+    expected: impl Into<String>,
+    remedy: impl Into<String>,
+) -> Error {
+    error_at(name, line, 1, value, expected, remedy)
+}
+
 /// Text of a file: UTF-8 with or without byte-order mark, UTF-16 with one or recognised by its zeros, else Windows-1252,
 /// which has Latin-1 in it.
 ///
@@ -33,9 +44,8 @@ pub(super) fn error_at(
 /// A file that is too large or is no text.
 pub(super) fn decode(name: &str, bytes: &[u8]) -> Result<String> {
     if bytes.len() as u64 > LARGEST_FILE {
-        return Err(error_at(
+        return Err(error_on(
             name,
-            1,
             1,
             &format!("{} MiB", bytes.len() >> 20),
             format!("a profile file of at most {} MiB", LARGEST_FILE >> 20),
@@ -248,10 +258,9 @@ pub(super) fn decimal_mark<'a>(
         (Some(point), Some(comma)) => {
             // The later one is most likely the odd one out.
             let (line, row) = if point.0 > comma.0 { point } else { comma };
-            return Err(error_at(
+            return Err(error_on(
                 name,
                 line,
-                1,
                 row.trim(),
                 format!("one decimal mark: line {} has the other", point.0.min(comma.0)),
                 "write all numbers with a decimal point",

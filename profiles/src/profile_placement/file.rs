@@ -18,7 +18,7 @@ use crate::units::MILLIMETRE;
 pub fn find_place(profile: &MeasuredProfile, reference: &Reference, options: PlaceOptions) -> Result<Placed> {
     if profile.drawn.is_some() {
         let remedy = "lines and arcs say where they lie themselves: place measurements alone";
-        return Err(InputError::new(&profile.name, "lines and arcs", "a measurement", remedy).into());
+        return InputError::refuse(&profile.name, "lines and arcs", "a measurement", remedy);
     }
     // The curve is made in place: here its points are enough.
     let points: Vec<Point2<f64>> = repaired(profile, &mut Vec::new())?.iter().map(|p| p.point).collect();
@@ -56,7 +56,7 @@ pub fn moved_there(
     if !placed.fits() {
         let expected = format!("a part that wear leaves alone: {}", unworn_parts(reference.kind));
         let remedy = "measure more of it, or give the profile in the frame of its standard";
-        return Err(InputError::new(&profile.name, "nothing but worn surface", expected, remedy).into());
+        return InputError::refuse(&profile.name, "nothing but worn surface", expected, remedy);
     }
     let mut moved = profile.clone();
     moved.kind = reference.kind;

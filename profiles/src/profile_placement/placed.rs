@@ -178,7 +178,7 @@ fn samples(points: &[Point2<f64>]) -> Result<(Vec<Sample>, Point2<f64>)> {
     const LONGEST: f64 = 3.0;
     let refuse = |value: String| {
         let expected = format!("at least {FEWEST} points along a profile");
-        Err(InputError::new("profile", value, expected, "give the whole profile").into())
+        InputError::refuse("profile", value, expected, "give the whole profile")
     };
     if points.len() < FEWEST {
         return refuse(format!("{} points", points.len()));

@@ -85,8 +85,7 @@ impl Reference {
         }
         let names: Vec<&str> = RAIL_NAMES.iter().chain(&WHEEL_NAMES).copied().collect();
         let expected = format!("one of {}", names.join(", "));
-        Err(InputError::new("standard", format!("{name:?}"), expected, "see `railspring profile list`")
-            .into())
+        InputError::refuse("standard", format!("{name:?}"), expected, "see `railspring profile list`")
     }
 
     /// Whether wear leaves the surface at `s` as it is: the sides, and what the other body does not reach. Of the two

@@ -32,13 +32,12 @@ impl RunningFunction {
     pub fn of(wheelset: &Wheelset, [from, to]: [f64; 2], step: f64, roll: Roll) -> Result<Self> {
         let parts = ((to - from) / step).round();
         if !(1.0..=1e5).contains(&parts) {
-            return Err(InputError::new(
+            return InputError::refuse(
                 "shift range",
                 format!("{} to {} mm, step {} mm", from / MILLIMETRE, to / MILLIMETRE, step / MILLIMETRE),
                 "1 to 100000 steps",
                 "give a range from left to right and a step that fits",
-            )
-            .into());
+            );
         }
         let points = (0..=parts as usize)
             .map(|i| {
@@ -62,13 +61,12 @@ impl RunningFunction {
                 .windows(2)
                 .any(|p| p[0].shift.partial_cmp(&p[1].shift) != Some(std::cmp::Ordering::Less))
         {
-            return Err(InputError::new(
+            return InputError::refuse(
                 "rolling-radius difference",
                 format!("{} points", points.len()),
                 "at least two points in increasing order of the shift",
                 "sort the points and remove repeated ones",
-            )
-            .into());
+            );
         }
         let mut potential = vec![0.0];
         for p in points.windows(2) {

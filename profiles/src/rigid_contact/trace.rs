@@ -31,13 +31,12 @@ impl<'a> Trace<'a> {
     ) -> Result<Self> {
         for (key, angle) in [("wheelset.yaw", yaw), ("wheelset.roll", roll)] {
             if angle.is_nan() || angle.abs() > 0.5 {
-                return Err(InputError::new(
+                return InputError::refuse(
                     key,
                     format!("{angle} rad"),
                     "-0.5 to 0.5 rad",
                     "check the angle and its unit",
-                )
-                .into());
+                );
             }
         }
         let axle = Vector3::new(-yaw.sin() * roll.cos(), yaw.cos() * roll.cos(), roll.sin());

@@ -53,7 +53,7 @@ pub(super) fn join(
     let start = seam(standard, measured, Side::Start, field)?;
     let end = seam(standard, measured, Side::End, field)?;
     if end.measured - start.measured < 2.0 * LEAST_BLEND || end.standard <= start.standard {
-        return Err(InputError::new(
+        return InputError::refuse(
             field,
             format!(
                 "{:.2} mm on the standard surface",
@@ -61,8 +61,7 @@ pub(super) fn join(
             ),
             "a measured surface that covers the standard's contact range",
             remedy(field),
-        )
-        .into());
+        );
     }
     for (seam, side) in [(&start, Side::Start), (&end, Side::End)] {
         let at = standard.point(seam.standard);
@@ -155,7 +154,7 @@ fn seam(standard: &ProfileCurve, measured: &ProfileCurve, side: Side, field: Inp
     let turn = standard.tangent(at_standard).angle(&direction(measured, found.measured, side)).to_degrees();
     if found.offset > GREATEST_OFFSET || turn > GREATEST_TURN {
         let p = measured.point(found.measured);
-        return Err(InputError::new(
+        return InputError::refuse(
             field,
             format!(
                 "{} (y {:.2} mm, z {:.2} mm), {:.2} mm off the standard surface and turned by {turn:.1} degrees",
@@ -166,8 +165,7 @@ fn seam(standard: &ProfileCurve, measured: &ProfileCurve, side: Side, field: Inp
             ),
             format!("at most {} mm and {GREATEST_TURN} degrees", GREATEST_OFFSET / MILLIMETRE),
             remedy(field),
-        )
-        .into());
+        );
     }
     Ok(found)
 }

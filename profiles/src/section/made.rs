@@ -195,13 +195,12 @@ pub fn wheel_section_for_profile(
     let middle = |curve: &ProfileCurve| curve.s_at_y(0.0);
     let (Some(own_middle), Some(seen_middle)) = (middle(like), middle(profile)) else {
         let ends = [0.0, profile.length()].map(|s| profile.point(s).x / MILLIMETRE);
-        return Err(InputError::new(
+        return InputError::refuse(
             InputField::WheelProfile,
             format!("a profile from y = {:.1} to {:.1} mm", ends[0], ends[1]),
             "one that goes over the tape circle, y = 0",
             "measure the tread, or correct the origin of y",
-        )
-        .into());
+        );
     };
     // towards the flange
     let own = like.followed(own_middle, -1.0);

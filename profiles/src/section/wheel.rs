@@ -101,7 +101,7 @@ pub fn wheel_section_of(
     if !BORE.contains(&(2.0 * bore_radius)) {
         let value = format!("{tape_diameter} m, which makes the bore {:.3} mm wide", 2e3 * bore_radius);
         let remedy = "give the diameter of the wheel that is drawn";
-        return Err(InputError::new(InputField::TapeDiameter, value, "a bore of 40 to 400 mm", remedy).into());
+        return InputError::refuse(InputField::TapeDiameter, value, "a bore of 40 to 400 mm", remedy);
     }
     let mut body = thinned(polyline(&rest, FILLET_STEP));
     close(&mut body, &running);

@@ -95,7 +95,7 @@ impl WheelBody {
             [self.bore_diameter, self.hub_diameter, self.rim_depth].map(|v| v / MILLIMETRE);
         let out_of = |field: InputField, value: f64, least: f64, greatest: f64, remedy: &str| {
             let expected = format!("{least} to {greatest} mm");
-            Err(InputError::new(field, format!("{value} mm"), expected, remedy).into())
+            InputError::refuse(field, format!("{value} mm"), expected, remedy)
         };
         if !(40.0..=400.0).contains(&bore) {
             return out_of(InputField::BoreDiameter, bore, 40.0, 400.0, "check the diameter and its unit");
@@ -115,13 +115,12 @@ impl WheelBody {
         const GREATEST: f64 = 1.5;
         let least = 2.0 * MILLIMETRE * (0.5 * hub + rim + 2.0 * FILLET + LEAST_WEB);
         if !(least..=GREATEST).contains(&tape_diameter) {
-            return Err(InputError::new(
+            return InputError::refuse(
                 InputField::TapeDiameter,
                 format!("{tape_diameter} m"),
                 format!("{least:.2} to {GREATEST:.2} m"),
                 "choose a diameter that leaves room for hub, web and rim; check its unit",
-            )
-            .into());
+            );
         }
         Ok(())
     }
@@ -196,7 +195,7 @@ fn check_cone(levels: &Levels, [hub, rim]: [f64; 2]) -> Result<()> {
     let wanted = format!("finite, and no more than {STEEPEST} degrees between hub and rim");
     let refuse = |value: String| {
         let remedy = "move `web_hub_y` and `web_rim_y` towards each other";
-        Err(InputError::new(InputField::WebRimY, value, wanted.clone(), remedy).into())
+        InputError::refuse(InputField::WebRimY, value, wanted.clone(), remedy)
     };
     let angle = ((rim - hub) / (levels.rim - levels.hub)).atan();
     if !angle.is_finite() || angle.to_degrees().abs() > STEEPEST {
@@ -216,7 +215,7 @@ fn check_room(ends: [f64; 2], [low, high]: [f64; 2], field: InputField, value: f
     if least >= low && greatest <= high {
         return Ok(());
     }
-    Err(InputError::new(
+    InputError::refuse(
         field,
         format!("{} mm", value / MILLIMETRE),
         format!(
@@ -224,7 +223,6 @@ fn check_room(ends: [f64; 2], [low, high]: [f64; 2], field: InputField, value: f
         ),
         "move the web to the middle",
     )
-    .into())
 }
 
 /// z of the inner side of the rim and of the hub's surface, mm, and how many times the web is as thick as that of its form.

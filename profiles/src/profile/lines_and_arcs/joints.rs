@@ -3,11 +3,10 @@
 use nalgebra::Point2;
 
 use super::rows::{LARGEST_ARC, LARGEST_GAP, Piece};
-use crate::error::Result;
+use crate::error::{Result, on_line};
 use crate::profile::kind::ProfileKind;
 use crate::profile::segment::{Segment, polyline};
 use crate::profile::sketch::{OF_THE_PROFILE, Sketch};
-use crate::profile::table::at;
 use crate::units::MILLIMETRE;
 
 /// Largest step of the samples of the curve, m.
@@ -32,7 +31,13 @@ pub(super) fn unfold(name: &str, half: &[Piece]) -> Result<Vec<Piece>> {
     if first.start.x.abs() > LARGEST_GAP {
         let value = format!("y = {:.4} mm", first.start.x / MILLIMETRE);
         let remedy = "begin on the axis, or leave `# symmetric: yes` out";
-        return Err(at(name, first.line, value, "the half of a symmetric profile to begin at y = 0", remedy));
+        return Err(on_line(
+            name,
+            first.line,
+            value,
+            "the half of a symmetric profile to begin at y = 0",
+            remedy,
+        ));
     }
     // Whether a piece goes on as its own mirror image at the axis; a merged arc must not be too long to tell its way.
     let level = |piece: &Piece, off_axis: Point2<f64>, on_axis: Point2<f64>| match piece.arc {
@@ -99,7 +104,7 @@ pub(super) fn check_joints(name: &str, pieces: &[Piece], drawn: &mut Sketch) -> 
             );
             let remedy =
                 "put the rows in the order of the outline, each beginning where the one before it ends";
-            return Err(at(name, pair[1].line, value, "ends that meet within 0.01 mm", remedy));
+            return Err(on_line(name, pair[1].line, value, "ends that meet within 0.01 mm", remedy));
         }
     }
     Ok(())

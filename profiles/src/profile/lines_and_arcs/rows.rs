@@ -2,10 +2,10 @@
 
 use nalgebra::{Point2, Vector2};
 
-use crate::error::{InputError, Result};
+use crate::error::{InputError, Result, on_line};
 use crate::profile::kind::ProfileKind;
 use crate::profile::segment::Segment;
-use crate::profile::table::{at, rows};
+use crate::profile::table::rows;
 use crate::units::MILLIMETRE;
 
 /// Ends further apart than this do not meet, m: ten times the rounding of a drawing in 0.001 mm.
@@ -67,7 +67,7 @@ impl Settings {
         };
         let sense = |choice: usize| if choice == 0 { 1.0 } else { -1.0 };
         let Some((heading, line)) = rows(text).next() else {
-            return Err(at(
+            return Err(on_line(
                 name,
                 1,
                 "no rows",
@@ -79,7 +79,13 @@ impl Settings {
         let missing = |what: &str| {
             let expected =
                 format!("the columns kind, {} with their unit, such as y0_mm", COORDINATES.join(", "));
-            at(name, heading, format!("no column {what:?}"), &expected, "complete the heading of the table")
+            on_line(
+                name,
+                heading,
+                format!("no column {what:?}"),
+                &expected,
+                "complete the heading of the table",
+            )
         };
         let kind_column = names.iter().position(|n| n == "kind").ok_or_else(|| missing("kind"))?;
         let mut unit: Option<&str> = None;
@@ -90,7 +96,13 @@ impl Settings {
             let its_unit = names[*column].split_once('_').map_or("", |(_, unit)| unit);
             if *unit.get_or_insert(its_unit) != its_unit {
                 let value = format!("{:?} beside \"{}\"", names[*column], unit.unwrap_or_default());
-                return Err(at(name, heading, value, "one unit for all columns", "write all lengths in it"));
+                return Err(on_line(
+                    name,
+                    heading,
+                    value,
+                    "one unit for all columns",
+                    "write all lengths in it",
+                ));
             }
         }
         let per_metre = match (overrides.unit, unit) {
@@ -100,7 +112,7 @@ impl Settings {
             (None, Some("in")) => 1.0 / (25.4 * MILLIMETRE),
             (None, other) => {
                 let value = format!("the unit {:?}", other.unwrap_or_default());
-                return Err(at(name, heading, value, "mm, m or in", "write y0_mm, z0_mm and so on"));
+                return Err(on_line(name, heading, value, "mm, m or in", "write y0_mm, z0_mm and so on"));
             }
         };
         Ok(Self {
@@ -129,13 +141,13 @@ fn choice(name: &str, text: &str, key: &str, words: &[&str; 2]) -> Result<usize>
     let expected = format!("`# {key}: {}` or `# {key}: {}`", words[0], words[1]);
     let Some((line, value)) = setting(text, key) else {
         let value = format!("no line `# {key}: ...`");
-        return Err(InputError::new(name, value, expected, "say it at the top of the file").into());
+        return InputError::refuse(name, value, expected, "say it at the top of the file");
     };
     let word = value.split_whitespace().next().unwrap_or_default();
     words
         .iter()
         .position(|known| *known == word)
-        .ok_or_else(|| at(name, line, format!("{value:?}"), &expected, "write one of the two words"))
+        .ok_or_else(|| on_line(name, line, format!("{value:?}"), &expected, "write one of the two words"))
 }
 
 /// A row of the table, m.
@@ -177,7 +189,13 @@ pub(super) fn read_pieces(name: &str, text: &str, settings: &Settings) -> Result
         .map(|(line, row)| read_piece(name, line, row, settings))
         .collect::<Result<Vec<_>>>()
         .and_then(|pieces| match pieces.len() {
-            0 => Err(at(name, settings.heading, "no rows", "rows of lines and arcs", "give the whole table")),
+            0 => Err(on_line(
+                name,
+                settings.heading,
+                "no rows",
+                "rows of lines and arcs",
+                "give the whole table",
+            )),
             _ => Ok(pieces),
         })
 }
@@ -191,7 +209,7 @@ fn read_piece(name: &str, line: usize, row: &str, settings: &Settings) -> Result
         let value = value.map(|value| value / settings.per_metre);
         // Larger than any rail or wheel.
         value.filter(|value| value.abs() < 100.0).ok_or_else(|| {
-            at(
+            on_line(
                 name,
                 line,
                 format!("{what} = {field:?}"),
@@ -207,7 +225,7 @@ fn read_piece(name: &str, line: usize, row: &str, settings: &Settings) -> Result
     let (start, end) = (point(y0, z0, ["y0", "z0"])?, point(y1, z1, ["y1", "z1"])?);
     if (end - start).norm() < SHORTEST {
         let value = format!("{:.2e} mm from start to end", (end - start).norm() / MILLIMETRE);
-        return Err(at(name, line, value, "two different ends", "leave the row out"));
+        return Err(on_line(name, line, value, "two different ends", "leave the row out"));
     }
     let word = fields.get(kind).map(|field| field.trim_matches('"').to_lowercase()).unwrap_or_default();
     let arc = match word.as_str() {
@@ -228,17 +246,17 @@ fn read_piece(name: &str, line: usize, row: &str, settings: &Settings) -> Result
                     last / MILLIMETRE
                 );
                 let expected = "ends that lie on the arc within 0.01 mm";
-                return Err(at(name, line, value, expected, "correct its centre, radius or ends"));
+                return Err(on_line(name, line, value, expected, "correct its centre, radius or ends"));
             }
             let angle = (start - centre).angle(&(end - centre)).to_degrees();
             if angle > LARGEST_ARC {
                 let value = format!("an arc of {angle:.1}°");
-                return Err(at(name, line, value, "at most 170°", "divide the arc into two rows"));
+                return Err(on_line(name, line, value, "at most 170°", "divide the arc into two rows"));
             }
             Some((centre, radius))
         }
         _ => {
-            return Err(at(name, line, format!("kind = {word:?}"), "line or arc", "correct the row"));
+            return Err(on_line(name, line, format!("kind = {word:?}"), "line or arc", "correct the row"));
         }
     };
     Ok(Piece { line, start, end, arc })

@@ -7,7 +7,7 @@ use nalgebra::{Matrix2, Point2, Rotation2, Vector2};
 use super::groups::Groups;
 use super::placement::Placement;
 use crate::error::Result;
-use crate::profile_file::text::{error_at, shown};
+use crate::profile_file::text::{error_on, shown};
 
 /// Blocks that are named.
 const LISTED: usize = 8;
@@ -38,7 +38,7 @@ impl Insert {
             {
                 let expected = format!("a scale other than 0 (group {code} of INSERT)");
                 let remedy = "insert the block with its scale, and export the drawing again";
-                return Err(error_at(groups.file, group.line, 1, group.value.trim(), expected, remedy));
+                return Err(error_on(groups.file, group.line, group.value.trim(), expected, remedy));
             }
         }
         let Some(mirrored) = groups.mirrored()? else { return Ok(None) };

@@ -6,7 +6,7 @@ use nalgebra::Point2;
 
 use super::curves::Path;
 use crate::error::Result;
-use crate::profile_file::text::error_at;
+use crate::profile_file::text::error_on;
 
 /// Ends nearer to each other than this part of the drawing's extent are one place; programs write 1e-6 of it.
 const SAME_PLACE: f64 = 1e-4;
@@ -112,10 +112,9 @@ fn partners(
             if let (Some(one), Some(other)) = (partners[path][end], meeting.next()) {
                 let line = paths[path].pieces[0].1;
                 let lines = [one.0, other.0].map(|path| paths[path].pieces[0].1);
-                return Err(error_at(
+                return Err(error_on(
                     name,
                     line,
-                    1,
                     &format!("({:.6}, {:.6})", p.x, p.y),
                     format!(
                         "two lines that meet, not three: those of lines {}, {} as well",

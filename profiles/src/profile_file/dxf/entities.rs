@@ -10,7 +10,7 @@ use super::groups::{Groups, groups};
 use super::placement::Placement;
 use crate::error::Result;
 use crate::profile::ProfileCurve;
-use crate::profile_file::text::error_at;
+use crate::profile_file::text::error_on;
 
 /// An entity that can be part of a profile.
 #[derive(Clone)]
@@ -284,10 +284,9 @@ fn spline(groups: &Groups) -> Result<Option<Nurbs>> {
         return Ok(Some(curve));
     }
     let expected = "a spline with as many weights as control points and rising knots for its degree";
-    Err(error_at(
+    Err(error_on(
         groups.file,
         groups.line,
-        1,
         "SPLINE",
         expected,
         "export the drawing again, with arcs or polylines",

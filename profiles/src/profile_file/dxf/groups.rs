@@ -3,7 +3,7 @@
 use nalgebra::Point2;
 
 use crate::error::{Error, Result};
-use crate::profile_file::text::{DecimalMark, error_at, lines, number};
+use crate::profile_file::text::{DecimalMark, error_on, lines, number};
 
 /// A group: its code, its value and the line of the value.
 #[derive(Clone, Copy)]
@@ -25,7 +25,7 @@ impl Groups<'_> {
     pub fn number_of(&self, group: &Group) -> Result<f64> {
         number(group.value.trim(), DecimalMark::Point).ok_or_else(|| {
             let expected = format!("a finite number (group {} of {})", group.code, self.name);
-            error_at(self.file, group.line, 1, group.value, expected, "export the drawing again")
+            error_on(self.file, group.line, group.value, expected, "export the drawing again")
         })
     }
 
@@ -39,7 +39,7 @@ impl Groups<'_> {
 
     pub fn missing(&self, code: i32) -> Error {
         let expected = format!("{} with group {code}", self.name);
-        error_at(self.file, self.line, 1, self.name, expected, "export the drawing again")
+        error_on(self.file, self.line, self.name, expected, "export the drawing again")
     }
 
     pub fn all(&self, code: i32) -> Result<Vec<f64>> {
@@ -100,10 +100,9 @@ pub(super) fn groups<'a>(name: &'a str, text: &'a str) -> impl Iterator<Item = R
             }
             let Ok(code) = code.trim().parse::<i32>() else {
                 let expected = "a group code, a whole number alone on its line";
-                return Some(Err(error_at(
+                return Some(Err(error_on(
                     name,
                     n,
-                    1,
                     code.trim(),
                     expected,
                     "export the drawing as ASCII DXF again",
@@ -111,10 +110,9 @@ pub(super) fn groups<'a>(name: &'a str, text: &'a str) -> impl Iterator<Item = R
             };
             let Some((line, value)) = value else {
                 let expected = "a value after the group code";
-                return Some(Err(error_at(
+                return Some(Err(error_on(
                     name,
                     n,
-                    1,
                     "",
                     expected,
                     "the file is cut off: export the drawing again",

@@ -10,7 +10,7 @@ use super::entities::{Entity, Shape, entities_of};
 use super::placement::Placement;
 use crate::error::{Error, Result};
 use crate::profile_file::finding::{Action, Finding, FindingKind};
-use crate::profile_file::text::error_at;
+use crate::profile_file::text::error_on;
 
 /// Most blocks that lie one in another; drawings have two or three.
 const DEEPEST: usize = 16;
@@ -127,7 +127,7 @@ impl Filling<'_, '_> {
     }
 
     fn refuse(&self, line: usize, value: &str, expected: &str, remedy: &str) -> Error {
-        error_at(self.file, line, 1, value, expected, remedy)
+        error_on(self.file, line, value, expected, remedy)
     }
 }
 

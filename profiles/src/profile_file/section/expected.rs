@@ -2,7 +2,6 @@
 
 use std::ops::RangeInclusive;
 
-use crate::error::{Error, InputError};
 use crate::profile::ProfileKind;
 
 /// Widths and heights of sections, m: from mine rails to crane rails; of a wheel from the bore to the tip of its flange.
@@ -23,14 +22,4 @@ pub(super) fn outline_of(kind: ProfileKind) -> &'static str {
         ProfileKind::Rail => "the closed outline of one rail section",
         ProfileKind::Wheel => "the closed outline of one wheel section, on one side of the axle",
     }
-}
-
-pub(super) fn at_line(
-    name: &str,
-    line: usize,
-    value: &str,
-    expected: impl Into<String>,
-    remedy: &str,
-) -> Error {
-    InputError::new(format!("{name}:{line}"), value, expected, remedy).into()
 }

@@ -2,9 +2,9 @@
 
 use nalgebra::Point2;
 
-use super::expected::{at_line, outline_of, said_size, size_of};
+use super::expected::{outline_of, said_size, size_of};
 use super::ring::{SAME_POINT, check_ring, extent, without_duplicates};
-use crate::error::{Error, InputError, Result};
+use crate::error::{Error, InputError, Result, on_line};
 use crate::profile::lines_and_arcs::LinesAndArcs;
 use crate::profile::{OF_THE_FILE, OF_THE_PROFILE, ProfileKind, Segment, Sketch, polyline};
 use crate::profile_file::dxf::ClosedShape;
@@ -68,7 +68,7 @@ impl Outline {
             Some(format @ (ProfileFormat::Simpack | ProfileFormat::MiniProf)) => {
                 let value = format!("a {format} file, which holds a running surface");
                 let remedy = "give a running surface as `profile_file` on a standard section";
-                Err(InputError::new(name, value, outline_of(kind), remedy).into())
+                InputError::refuse(name, value, outline_of(kind), remedy)
             }
             Some(ProfileFormat::Text | ProfileFormat::Csv) | None => {
                 let part = Part { name: None, field: "the part".into() };
@@ -137,7 +137,7 @@ impl Outline {
         let few = || {
             let value = format!("{count} points");
             let expected = format!("at least {FEWEST} points around a section");
-            at_line(name, line, &value, expected, "give the whole outline")
+            on_line(name, line, &value, expected, "give the whole outline")
         };
         if count < FEWEST {
             return Err(few());
@@ -182,7 +182,7 @@ fn unit_of(
     let extent = extent(points).max();
     let wrong = |line: usize, remedy: &str| {
         let expected = said_size(kind);
-        at_line(name, line, &format!("an outline {extent:.4} units across"), expected, remedy)
+        on_line(name, line, format!("an outline {extent:.4} units across"), expected, remedy)
     };
     let fits = |unit: f64| size_of(kind).contains(&(unit * extent));
     let only = [(MILLIMETRE, "mm"), (1.0, "m")].into_iter().find(|(unit, _)| fits(*unit));
@@ -259,7 +259,7 @@ fn open(name: &str, kind: ProfileKind, end: &MeasuredPoint, start: &MeasuredPoin
         (end.point - start.point).norm() / MILLIMETRE
     );
     let remedy = "close the outline, its last point the first again; a running surface alone is a `profile_file` on a standard section";
-    at_line(name, end.line, &value, outline_of(kind), remedy)
+    on_line(name, end.line, &value, outline_of(kind), remedy)
 }
 
 fn check_size(name: &str, kind: ProfileKind, ring: &[MeasuredPoint], remedy: &str) -> Result<()> {
@@ -271,5 +271,5 @@ fn check_size(name: &str, kind: ProfileKind, ring: &[MeasuredPoint], remedy: &st
     let value =
         format!("an outline {:.3} mm wide and {:.3} mm high", size.x / MILLIMETRE, size.y / MILLIMETRE);
     let expected = said_size(kind);
-    Err(at_line(name, ring[0].line, &value, expected, remedy))
+    Err(on_line(name, ring[0].line, &value, expected, remedy))
 }

@@ -4,11 +4,10 @@ use nalgebra::Vector2;
 
 use super::closed::ClosedSection;
 use super::divide::{divided, upright};
-use super::expected::at_line;
 use super::frame::Frame;
 use super::outline::{Outline, Shape};
 use super::ring::{bounds, direction, width};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, on_line};
 use crate::profile::rails::{RailOutline, running_curve};
 use crate::profile::{ProfileCurve, ProfileKind, of_ring, split_rail};
 use crate::profile_file::finding::{Action, Finding, FindingKind};
@@ -31,7 +30,7 @@ pub(super) fn section(name: &str, outline: Outline) -> Result<ClosedSection> {
             if foot_is_up(name, &ring)? {
                 let value = "an outline with its foot at the top";
                 let remedy = "it is upside down: correct `# z:`";
-                return Err(at_line(name, ring[0].line, value, "the head at the top, z as stated", remedy));
+                return Err(on_line(name, ring[0].line, value, "the head at the top, z as stated", remedy));
             }
             say_asymmetry(&ring, &mut findings);
             let outline = RailOutline { running: lines.running, rest: lines.rest };
@@ -74,7 +73,7 @@ fn head(name: &str, n: usize, at: &dyn Fn(usize) -> MeasuredPoint) -> Result<(us
 fn no_head(name: &str, line: usize) -> Error {
     let value = "a closed outline without a head";
     let remedy = "give the outline of the whole section, in order";
-    at_line(name, line, value, "sides that turn under a head above its web", remedy)
+    on_line(name, line, value, "sides that turn under a head above its web", remedy)
 }
 
 /// Refuses an outline whose sides turn under it in its lower half only: at the foot, not under a head.
@@ -101,7 +100,7 @@ fn foot_is_up(name: &str, ring: &[MeasuredPoint]) -> Result<bool> {
             down / MILLIMETRE
         );
         let remedy = "give it as lines and arcs, which say by `# z:` how they lie";
-        return Err(at_line(name, ring[0].line, &value, "a foot wider than the head", remedy));
+        return Err(on_line(name, ring[0].line, &value, "a foot wider than the head", remedy));
     }
     Ok(up > down)
 }

@@ -2,8 +2,8 @@
 
 use nalgebra::{Point2, Vector2};
 
-use super::expected::{at_line, outline_of};
-use crate::error::Result;
+use super::expected::outline_of;
+use crate::error::{Result, on_line};
 use crate::profile::{ProfileKind, Sketch};
 use crate::profile_file::loops::first_crossing;
 use crate::profile_file::measured::MeasuredPoint;
@@ -42,7 +42,7 @@ pub(super) fn check_ring(
             let value = format!("a cusp at {} {axes}, a turn of {turn:.0}°", place(&here.point));
             let remedy = "remove the point, or what is drawn twice there";
             sketch.mark(here.point, "a cusp");
-            return Err(at_line(name, here.line, &value, outline_of(kind), remedy));
+            return Err(on_line(name, here.line, &value, outline_of(kind), remedy));
         }
     }
     if let Some((i, j, at)) = first_crossing(name, ring)? {
@@ -54,7 +54,7 @@ pub(super) fn check_ring(
         );
         let remedy = "put the points in the order of the outline, or remove the loop";
         sketch.mark(at, "a crossing");
-        return Err(at_line(name, ring[j].line, &value, outline_of(kind), remedy));
+        return Err(on_line(name, ring[j].line, &value, outline_of(kind), remedy));
     }
     Ok(())
 }

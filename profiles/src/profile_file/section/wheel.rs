@@ -6,11 +6,11 @@ use nalgebra::{Point2, Vector2};
 
 use super::closed::ClosedSection;
 use super::divide::{divided, upright};
-use super::expected::{at_line, outline_of};
+use super::expected::outline_of;
 use super::frame::Frame;
 use super::outline::{Outline, Shape};
 use super::ring::{bounds, direction, width};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, on_line};
 use crate::field::InputField;
 use crate::profile::{
     ProfileCurve, ProfileKind, Segment, TAPE_CIRCLE_FROM_FLANGE_BACK, Tape, of_ring, split_wheel,
@@ -85,7 +85,7 @@ fn frame_of(name: &str, ring: &[MeasuredPoint], findings: &mut Vec<Finding>) -> 
         let expected = "a hub wider than the flange, the axle along the first coordinate";
         let remedy =
             "give the section on one side of the axle alone, or as lines and arcs, which say how they lie";
-        return Err(at_line(name, ring[0].line, &value, expected, remedy));
+        return Err(on_line(name, ring[0].line, &value, expected, remedy));
     }
     let upside_down = below > above;
     if upside_down {
@@ -120,10 +120,10 @@ fn surface(
     /// Vertices this near to the plane of the flange back are on it, m.
     const ON_BACK: f64 = 0.5e-3 * MILLIMETRE;
     let no = |what: &str, remedy: &str| {
-        at_line(
+        on_line(
             name,
             at(0).line,
-            &format!("a closed outline without a {what}"),
+            format!("a closed outline without a {what}"),
             outline_of(ProfileKind::Wheel),
             remedy,
         )
@@ -177,7 +177,7 @@ fn to_the_tape_circle(
         let expected =
             format!("a running surface that passes the tape circle, {distance} mm from the flange back");
         let remedy = format!("give the section of the whole wheel, or its `{}`", InputField::TapeCircle);
-        at_line(name, line, "a tread that ends before it", &expected, &remedy)
+        on_line(name, line, "a tread that ends before it", &expected, &remedy)
     })?;
     Ok(Vector2::new(-tape, -tread.y))
 }
@@ -189,7 +189,7 @@ fn check_flange(name: &str, ring: &[MeasuredPoint]) -> Result<()> {
     }
     let value = format!("a flange that ends {:.3} mm below the tape circle", tip.y / MILLIMETRE);
     let expected = format!("a height of {} to {} mm", 1e3 * FLANGE.start(), 1e3 * FLANGE.end());
-    Err(at_line(
+    Err(on_line(
         name,
         ring[0].line,
         &value,
@@ -227,7 +227,7 @@ fn no_bore(name: &str, innermost: &MeasuredPoint, length: f64) -> Error {
         "no bore: innermost is ({y:.3}, {z:.3}) mm from the tape circle, and level over {length:.3} mm"
     );
     let expected = "a bore, a straight line of at least 20 mm along the axle";
-    at_line(
+    on_line(
         name,
         innermost.line,
         &value,

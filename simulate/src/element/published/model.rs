@@ -42,7 +42,7 @@ impl InitialMotion {
     pub(crate) fn check(&self, scenario: &Scenario) -> Result<()> {
         let motion = [&self.displacement[..], &self.velocity, &[self.carried]].concat();
         if let Some(value) = motion.iter().find(|v| !v.is_finite()) {
-            return Err(InputError::new("initial motion", value, "finite values", "correct the value").into());
+            return InputError::refuse("initial motion", value, "finite values", "correct the value");
         }
         Ok(scenario.check()?)
     }
@@ -229,18 +229,17 @@ impl MovingModel {
                 entries.iter().find(|(_, v, _)| !(v.is_finite() && *v >= least))
             {
                 let value = format!("{}{name}", value / unit);
-                return Err(InputError::new(*field, value, expected, "correct the value").into());
+                return InputError::refuse(*field, value, expected, "correct the value");
             }
         }
         if self.rail.curve.length() / self.node_spacing > 1e5 {
             let remedy = "0.25 mm is fine enough";
-            return Err(InputError::new(
+            return InputError::refuse(
                 InputField::NodeSpacing,
                 format!("{} mm", self.node_spacing / MILLIMETRE),
                 "a larger distance",
                 remedy,
-            )
-            .into());
+            );
         }
         self.initial.check(scenario)?;
         self.springs.normal.check()?;

@@ -63,18 +63,17 @@ impl RailSupport {
         let from = scenario.start_x.unwrap_or(0.5 * beam.length());
         if !scenario.speed.is_finite() {
             let remedy = "correct the value";
-            return Err(InputError::new(InputField::Speed, scenario.speed, "a finite speed", remedy).into());
+            return InputError::refuse(InputField::Speed, scenario.speed, "a finite speed", remedy);
         }
         if (0.0..=beam.length()).contains(&from) {
             return Ok(());
         }
-        Err(InputError::new(
+        InputError::refuse(
             InputField::StartX,
             format!("{from} m"),
             format!("a place on the rail, 0 to {} m", beam.length()),
             "start elsewhere, or take a longer rail",
         )
-        .into())
     }
 }
 

@@ -110,13 +110,12 @@ pub fn fit_strips(
         }
     }
     if pressed.is_empty() {
-        return Err(InputError::new(
+        return InputError::refuse(
             "laws by contact angle",
             "no place with a law",
             "a law at one place of the rail at least",
             "put the wheel in other places, where it stands on one contact",
-        )
-        .into());
+        );
     }
     let touches = pressed.iter().map(|place| place.pair.touch.rail_s);
     let (first, last) =

@@ -52,13 +52,12 @@ impl RunningSurface<'_> {
         if middle >= LINES_APART / 2 && middle + LINES_APART / 2 < columns {
             return Ok(());
         }
-        Err(InputError::new(
+        InputError::refuse(
             body,
             format!("{columns} lines of contact nodes along the track, number {} in the middle", middle + 1),
             format!("{} on either side of the middle at least", LINES_APART / 2),
             "give the mesh more lines along the track, or run the published element",
         )
-        .into())
     }
 
     fn middle(&self) -> usize {

@@ -66,7 +66,7 @@ impl ElasticWheel {
             let (square, shape) = (natural.eigenvalues[n], natural.eigenvectors.column(n));
             if square <= 0.0 {
                 let (value, expected) = (format!("{square} 1/s²"), "modes of a body that is held");
-                return Err(InputError::new("modes", value, expected, "condense the wheel again").into());
+                return InputError::refuse("modes", value, expected, "condense the wheel again");
             }
             let along = |row: &DVector<f64>| row.dot(&shape);
             let rim = Vector3::from_fn(|i, _| along(&rows[i]));
