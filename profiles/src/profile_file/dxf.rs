@@ -271,8 +271,7 @@ pub(super) fn closed_line(name: &str, text: &str, remedy: &str, sketch: &mut Ske
     let text = format!("x of the drawing is y, y is z; the outline is line {said}{others}");
     findings.push(Finding::new(FindingKind::Columns, Action::Noted, text));
     let pieces = &chain.path.pieces;
-    let is_line = |piece: &Piece| matches!(piece, Piece::Line(..));
-    let measured = pieces.len() >= MEASURED && pieces.iter().all(|(piece, _)| is_line(piece));
+    let measured = is_measured(pieces);
     let drawn = !pieces.iter().any(|(piece, _)| matches!(piece, Piece::Spline(_)));
     let segment = |piece: &Piece| match *piece {
         Piece::Arc { centre, radius, start, sweep } => {
@@ -360,6 +359,11 @@ fn shown_long(list: &str) -> String {
     format!("{}{more}", all[..all.len().min(MOST)].join(", "))
 }
 
+/// Whether a line is one that was measured, straight between its vertices.
+fn is_measured(pieces: &[(Piece, usize)]) -> bool {
+    pieces.len() >= MEASURED && pieces.iter().all(|(piece, _)| matches!(piece, Piece::Line(..)))
+}
+
 fn first_line(chain: &Chain) -> usize {
     chain.path.pieces[0].1
 }
@@ -414,8 +418,7 @@ fn sample(name: &str, chain: &Chain, findings: &mut Vec<Finding>) -> Result<Vec<
             format!("greatest gap of joined ends {:.6}, in units of the drawing: bridged", chain.largest_gap);
         findings.push(Finding::new(FindingKind::Gap, Action::Repaired, text));
     }
-    let measured =
-        pieces.len() >= MEASURED && pieces.iter().all(|(piece, _)| matches!(piece, Piece::Line(..)));
+    let measured = is_measured(pieces);
     let step = extent / STEPS;
     let mut points = Vec::new();
     for (piece, line) in pieces {

@@ -1,7 +1,7 @@
 //! From the rows of a file to the profile frame: unit, wheel or rail, direction of the axes, order, origin.
 
 use super::blocks::extent;
-use super::check::{remove_duplicates, remove_spikes};
+use super::check::{median, remove_duplicates, remove_spikes};
 use super::finding::{Action, Finding, FindingKind, Findings};
 use super::format::ProfileFormat;
 use super::heads::{Groove, groove, open_groove};
@@ -167,10 +167,6 @@ fn unit_name(unit: f64) -> String {
 }
 
 fn drop_far_off(name: &str, raw: &mut Raw) -> Result<()> {
-    let median = |mut values: Vec<f64>| {
-        values.sort_unstable_by(f64::total_cmp);
-        values[values.len() / 2]
-    };
     let y = median(raw.points.iter().map(|p| p.point.x).collect());
     let z = median(raw.points.iter().map(|p| p.point.y).collect());
     let distance = |p: &MeasuredPoint| (p.point.x - y).hypot(p.point.y - z);

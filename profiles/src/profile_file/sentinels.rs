@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::check::departure;
+use super::check::{departure, median_step};
 use super::finding::{Action, Finding, FindingKind, Findings};
 use super::measured::MeasuredPoint;
 
@@ -17,10 +17,7 @@ const MOST: f64 = 0.5;
 
 /// Drops rows that repeat one value of y or of z exactly and lie far off the line of the rows about them.
 pub(super) fn drop_sentinels(points: &mut Vec<MeasuredPoint>, findings: &mut Vec<Finding>) {
-    let mut steps: Vec<f64> = points.windows(2).map(|w| (w[1].point - w[0].point).norm()).collect();
-    steps.sort_unstable_by(f64::total_cmp);
-    let Some(step) = steps.get(steps.len() / 2) else { return };
-    let far = (FAR * trimmed_extent(points)).max(FAR_TO_STEP * step);
+    let far = (FAR * trimmed_extent(points)).max(FAR_TO_STEP * median_step(points));
     let mut dropped = vec![false; points.len()];
     for axis in 0..2 {
         let mut groups: BTreeMap<u64, Vec<usize>> = BTreeMap::new();

@@ -1,5 +1,6 @@
 //! What the shape of a profile tells: wheel or rail, which side is up, where the flange is.
 
+use super::check::median;
 use super::measured::MeasuredPoint;
 use crate::profile::ProfileKind;
 
@@ -45,8 +46,7 @@ impl Shape {
                 points.iter().min_by(|a, b| (part(a) - 0.5).abs().total_cmp(&(part(b) - 0.5).abs()))?;
             middle.push(nearest.point.y);
         }
-        middle.sort_unstable_by(f64::total_cmp);
-        let level = middle[middle.len() / 2];
+        let level = median(middle);
         let departure = |at_end: &dyn Fn(f64) -> bool| {
             points
                 .iter()

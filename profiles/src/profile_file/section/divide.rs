@@ -7,6 +7,7 @@ use super::outline::STEP;
 use super::ring::runs_to_the_field_side;
 use crate::error::Result;
 use crate::profile::{Piece, ProfileCurve, ProfileKind, Segment};
+use crate::profile_file::check::median_step;
 use crate::profile_file::finding::Finding;
 use crate::profile_file::kinks::find_kinks;
 use crate::profile_file::measured::MeasuredPoint;
@@ -64,9 +65,7 @@ pub(super) fn divided(
 fn through(points: &[MeasuredPoint], findings: &mut Vec<Finding>) -> ProfileCurve {
     let chord = |i: usize| (points[i + 1].point - points[i].point).norm();
     let chords = points.len() - 1;
-    let mut sorted: Vec<f64> = (0..chords).map(chord).collect();
-    sorted.sort_unstable_by(f64::total_cmp);
-    let long = LEAST_LONG.max(LONG * sorted[chords / 2]);
+    let long = LEAST_LONG.max(LONG * median_step(points));
     let kinks = find_kinks(points, findings);
     let mut pieces = Vec::new();
     let mut from = 0;
