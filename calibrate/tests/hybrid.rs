@@ -114,8 +114,8 @@ impl HalfSpaceTable {
 /// well), and centred, where the pressure is not compared as it peaks within a cell at jumps of curvature.
 ///
 /// Accuracy, of the model and grid: approach 1 % (the program's own 0.2 %, the grid's 0.1 %, the interpolated far field 0.5 %);
-/// tangent 2 % (a line of points more or less at the rim is 1 %); area 3 % (of a patch with eight cells to a semi-axis);
-/// largest pressure 5 %.
+/// tangent 2 % (a line of points more or less at the rim is 1 %); area 3 % (the grid's 0.5 %, and the rest where head and rim
+/// bend under 80 kN and more: the largest pressure is then lower by as much as the area is larger); largest pressure 5 %.
 #[test]
 fn the_local_law_is_that_of_a_half_space_program() {
     const LIMITS: [f64; 4] = [0.01, 0.02, 0.03, 0.05];
@@ -395,7 +395,7 @@ fn irregular() -> Vec<f64> {
 /// DISCRETISATION of the fine grid as against the half-space program.
 #[test]
 fn a_crowned_wheel_on_an_irregular_mesh_is_hertz() {
-    const LIMITS: [f64; 4] = [0.01, 0.02, 0.02, 0.03];
+    const LIMITS: [f64; 4] = [0.01, 0.02, 0.02, 0.005];
     let planes = irregular();
     let mut depth = vec![0.0];
     while depth[depth.len() - 1] < 0.06 {
