@@ -37,7 +37,8 @@ fn triangulate(points: &[Point2<f64>], boundary: usize) -> Result<Vec<[usize; 3]
     let mut handles = Vec::with_capacity(points.len());
     for (k, p) in points.iter().enumerate() {
         let handle = cdt
-            .insert(spade::Point2::new(p.x, p.y))
+            // a cylindrical tread has coordinates of 1e-60 m, which spade refuses
+            .insert(spade::mitigate_underflow(spade::Point2::new(p.x, p.y)))
             .map_err(|error| fail(&format!("a vertex cannot be used ({error})"), *p))?;
         if handle.index() != k {
             return Err(fail("two vertices coincide", *p).into());

@@ -78,6 +78,17 @@ fn layers_deeper_than_a_rounding_are_made_thinner() {
     assert!((mesh.area() / exact - 1.0).abs() < 5e-3, "{}", mesh.area() / exact - 1.0);
 }
 
+/// Source: the tread of a cylindrical wheel, whose vertices lie 1e-60 m beside zero. Goal: it is meshed as one at zero.
+/// Accuracy: the same elements.
+#[test]
+fn coordinates_that_are_nearly_zero_are_zero() {
+    let exact = head_on_a_web(0.0);
+    let mut outline = exact.clone();
+    outline.fine.iter_mut().for_each(|p| p.point.y = 1e-60);
+    let quads = |outline| mesh_section(outline, &SIZES).unwrap().quads;
+    assert_eq!(quads(&outline), quads(&exact));
+}
+
 #[test]
 fn a_curved_web_keeps_its_area() {
     let outline = head_on_a_web(40e-3);
