@@ -19,6 +19,9 @@ use crate::results::springs::record::TangentRecord;
 use crate::study::Study;
 use crate::table::document::DirectionKey;
 
+/// Least coefficient of friction that CONTACT reads (`FKIN`, friction law L = 0).
+const LEAST_FRICTION: f64 = 1e-4;
+
 /// A load with what stands behind the contact there.
 struct Load {
     /// N.
@@ -135,14 +138,14 @@ fn cases(
 ) -> String {
     let own = [
         "units: mm, N, MPa; right wheel, y to the right, z down".into(),
-        "one case for each load, without friction: normal contact, what the law is about".into(),
+        "one case for each load, rolling without creepage (T = 3): the massless rail needs T = 1 or more".into(),
         format!(
             "massless rail (F = 3): KZRAIL is what the law has besides the contact, from the tangents against {} and local",
             spring.reference
         ),
         "KYRAIL is the horizontal stiffness of the sticking wheel; the small tangential compliance of the contact is in it".into(),
         "PEN and the force over it are those of the contact; the hub goes down by the rail's deflection more".into(),
-        "written by the user guide and the reader of CONTACT 25; not run there".into(),
+        "written by the user guide and the reader of CONTACT 25; this combination of digits (T = 3, F = 3) runs there".into(),
     ];
     let mut text = commented(
         "%",
@@ -165,11 +168,11 @@ fn cases(
             text,
             "% case {case}\n\
              1 MODULE\n\
-             1200130     C-P-B-T-N-F-S   CONFIG, PVTIME, BOUND, TANG, NORM, FORCE, STRESS\n\
+             1203130     C-P-B-T-N-F-S   CONFIG, PVTIME, BOUND, TANG, NORM, FORCE, STRESS\n\
              0022033     V-L-D-C-M-Z-E   VARFRC, FRCLAW, DISCNS, INFLCF, MATER, ZTRACK, EWHEEL\n\
              0001241     H-G-I-A-O-W-R   HEAT, GAUSEI, IESTIM, MATFIL, OUTPUT, FLOW, RETURN\n\
              999 100 30 1 1.0E-05        MAXGS, MAXIN, MAXNR, MAXOUT, EPS\n\
-             0.3 0.3                     FSTAT, FKIN: not used without TANG\n\
+             {friction} {friction}                     FSTAT, FKIN\n\
              {nu} {wheel_nu} {shear:.3} {wheel_shear:.3}   POISS 1,2, GG 1,2\n\
              0.2 0.2 1.0 90d 8.0 4.0     DX, DS, DQREL, A_SEP, D_SEP, D_COMB\n\
              {height} 0 {gauge} 0.0      GAUGHT, GAUGSQ, GAUGWD, CANT\n\
@@ -181,6 +184,7 @@ fn cases(
              0.0 {shift} {force:.6} 0.0 0.0 0.0   S, Y, FZ, ROLL, YAW, PITCH\n\
              2000.0 0.0 0.0 0.0 0.0 {pitch:.9}   VS, VY, VZ, VROLL, VYAW, VPITCH\n",
             case = number + 1,
+            friction = study.contact.friction.max(LEAST_FRICTION),
             pitch = -2000.0 * MILLIMETRE / pair.wheel.radius,
         );
     }

@@ -204,7 +204,7 @@ pub struct ContactKeys {
     /// Penalty stiffness of a contact point, kN/m; the published value is 1e6.
     #[schemars(range(min = 1e3, max = 1e12))]
     pub penalty_kn_per_m: f64,
-    /// Coulomb friction coefficient between wheel and rail.
+    /// Coulomb friction coefficient between wheel and rail. A calibration needs one above 0, for its horizontal stiffness is that of a sticking contact; a load case may have its own, 0 too.
     #[schemars(range(min = 0.0, max = 2.0), extend("x-field" = InputField::Friction.name()))]
     pub friction: f64,
 }

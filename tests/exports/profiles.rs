@@ -69,6 +69,13 @@ fn contact_gets_the_pair_in_place() {
         })
         .collect();
     assert!(of_cases.len() >= 3, "{of_cases:?}");
+    assert_eq!(case.matches("C-P-B-T-N-F-S").count(), of_cases.len());
+    for digits in case.lines().filter(|line| line.contains("C-P-B-T-N-F-S")) {
+        // CONTACT 25, `wr_contact_fy_brent`: "Brent method for Fy needs T>=1, F=3"; N = 1 gives the vertical force
+        let digits: Vec<u32> = digits.trim().chars().map_while(|digit| digit.to_digit(10)).collect();
+        assert!(digits[3] >= 1 && digits[4] == 1 && digits[5] == 3, "{digits:?}");
+    }
+    assert_eq!(line("FSTAT"), [0.5, 0.5], "the study's, and FKIN is 1e-4 at least");
     for case in of_cases {
         let [k_y, _, k_z, _, _, _, force, ..] = case[..] else { panic!("{case:?}") };
         // contact and massless rail in series are the law's tangent
