@@ -7,15 +7,18 @@ use railspring_profiles::error::{Error, InputError, Result};
 use railspring_profiles::field::InputField;
 use railspring_profiles::placement::TrackGeometry;
 use railspring_profiles::profile::ProfileCurve;
-use railspring_profiles::profile_file::ProfileKind;
+use railspring_profiles::profile_file::{Action, Finding, FindingKind, ProfileKind};
 use railspring_profiles::section::{RailSection, WheelSection};
 use railspring_profiles::units::MILLIMETRE;
 
-use super::sections::{self, Assumed};
+use super::sections::{self, Assumed, finding_record};
 use crate::results::bodies::outline_figure::{BodyOutline, ProfilePair};
 use crate::results::bodies::record::ProfileRecord;
 use crate::results::bodies::surface_figure::OnStandard;
 use crate::study::Statics;
+
+/// How far (m) above the depth of the gauge a measurement may end, and the side still counts as measured.
+const ON_THE_GAUGE: f64 = 0.1 * MILLIMETRE;
 
 /// The two sections in place, and where they first touch.
 pub struct Geometry {
@@ -46,7 +49,13 @@ pub fn geometry(statics: Statics<'_>) -> Result<Geometry> {
     let inclination = turned.map_or(statics.rail.inclination, f64::tan);
     let in_track = Geometry::in_track(statics, rail.section, wheel.section, inclination)?;
     let replicates = in_track.replicates(statics, &rail.replicates, &wheel.replicates, inclination)?;
-    let profiles = rail.records.into_iter().chain(wheel.records).collect();
+    let mut profiles: Vec<ProfileRecord> = rail.records.into_iter().chain(wheel.records).collect();
+    if let (Some(record), Some(finding)) = (
+        profiles.iter_mut().find(|r| r.body == ProfileKind::Rail.name()),
+        in_track.gauge_point_assumed(statics),
+    ) {
+        record.findings.push(finding_record(&finding));
+    }
     let surfaces = rail.surface.into_iter().chain(wheel.surface).collect();
     let assumed = [rail.assumed, wheel.assumed];
     Ok(Geometry { profiles, surfaces, assumed, replicates, ..in_track })
@@ -74,6 +83,25 @@ impl Geometry {
         let beam = pair.beam(&statics.rail.material, statics.rail.length, statics.beam_elements)?;
         let (profiles, surfaces, replicates) = (Vec::new(), Vec::new(), Vec::new());
         Ok(Self { pair, beam, profiles, surfaces, assumed: [None, None], replicates })
+    }
+
+    /// That the gauge is taken below the last measured point of the rail, on the side of the body that it was joined to, and by
+    /// how much a vertical side would move the rail.
+    fn gauge_point_assumed(&self, statics: Statics<'_>) -> Option<Finding> {
+        let [_, from, ..] = self.pair.rail.seams?;
+        let end = self.pair.placed.curve.point(from);
+        let height = statics.track.gauge_height;
+        if end.y > height - ON_THE_GAUGE {
+            return None;
+        }
+        let [measured, height, moved] =
+            [end.y, height, 0.5 * statics.track.gauge - end.x].map(|length| length / MILLIMETRE);
+        let text = format!(
+            "measured down to {measured:.1} mm below the top at the gauge side; the gauge is taken {height} mm below it, on \
+             the side of the body that the head is joined to, which places the rail: a vertical side from the last point on would \
+             move it by {moved:.2} mm. Measure deeper, or set `track.gauge_height_mm` to a depth that was measured"
+        );
+        Some(Finding::new(FindingKind::Shape, Action::Noted, text))
     }
 
     /// The outlines of rail and wheel in the track, the wheel where it first touches, with what of them was measured.

@@ -286,7 +286,7 @@ fn content_hash(content: &[u8]) -> String {
     blake3::hash(content).to_hex().to_string()
 }
 
-fn finding_record(finding: &Finding) -> FindingRecord {
+pub(super) fn finding_record(finding: &Finding) -> FindingRecord {
     FindingRecord {
         kind: finding.kind.name().into(),
         first_line: finding.lines.map(|lines| lines.0),

@@ -56,6 +56,36 @@ fn a_short_head_with_a_spike() {
     assert!(last.missing.abs() < 1e-9, "{last:?}");
 }
 
+/// Goal: a worn head whose gauge side was measured down to 9 mm says that its body places the rail, one that was measured
+/// down to below the gauge does not. Unit mm, of the file. Accuracy: its points are 0.5 mm apart.
+#[test]
+fn a_side_that_ends_above_the_gauge_is_said() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let said = |deepest: f64| -> Option<String> {
+        let mut study = Study::read(&root.join("data/studies/worn.toml")).unwrap();
+        let measured = study.rail.measured.as_mut().unwrap();
+        let text = String::from_utf8(measured.content.to_vec()).unwrap();
+        let too_deep = |line: &&str| {
+            let row = line.trim().split_once(char::is_whitespace);
+            let row = row.and_then(|(y, z)| Some((y.parse::<f64>().ok()?, z.trim().parse::<f64>().ok()?)));
+            row.is_some_and(|(y, z)| y < 0.0 && z > deepest)
+        };
+        let kept: Vec<&str> = text.lines().filter(|line| !too_deep(line)).collect();
+        measured.content = Arc::from(kept.join("\n").into_bytes());
+        let geometry = geometry(study.statics()).unwrap();
+        let findings = &geometry.profiles[0].findings;
+        findings
+            .iter()
+            .map(|finding| &finding.text)
+            .find(|text| text.contains("track.gauge_height_mm"))
+            .cloned()
+    };
+    assert_eq!(said(100.0), None);
+    let text = said(9.0).unwrap();
+    let depth = text.strip_prefix("measured down to ").and_then(|rest| rest.split(' ').next()).unwrap();
+    assert!((depth.parse::<f64>().unwrap() - 9.0).abs() < 1.5, "{text}");
+}
+
 #[test]
 fn the_worn_study_reads_its_profiles() {
     let study = Study::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("data/studies/worn.toml")).unwrap();
