@@ -227,3 +227,23 @@ fn packages_hold_what_they_need() {
         }
     }
 }
+
+/// Source: `use` lines of the Python module, which is no member of the workspace and is not built by the tests. Goal: its manifest
+/// has every crate of the project that it uses.
+#[test]
+fn the_python_module_depends_on_what_it_uses() {
+    let read = |file: &str| std::fs::read_to_string(root().join("python").join(file)).unwrap();
+    let (source, manifest) = (read("src/lib.rs"), read("Cargo.toml"));
+    let used: BTreeSet<&str> = source
+        .lines()
+        .filter_map(|line| line.strip_prefix("use railspring_"))
+        .filter_map(|rest| rest.split("::").next())
+        .collect();
+    assert!(used.contains("calibrate"), "{used:?}");
+    for name in used {
+        assert!(
+            manifest.contains(&format!("\nrailspring-{name} = ")),
+            "python/Cargo.toml lacks railspring-{name}"
+        );
+    }
+}

@@ -5,8 +5,8 @@ use numpy::{AllowTypeChange, IntoPyArray, PyArrayLikeDyn, PyReadonlyArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyFloat;
-use railspring_profiles::error::Error;
 use railspring_calibrate::law::{REFERENCE_FORCE, StiffnessLaw, TableLaw as Knots, fit_law as fitted};
+use railspring_profiles::error::Error;
 use railspring_profiles::units::{KILONEWTON, KILONEWTON_PER_METRE};
 
 /// Numbers that Python gives: one, a list, or an array.
