@@ -139,6 +139,7 @@ fn loaded_end(lines: &[Line]) -> f64 {
     // 2/3·q₀·rim + s·rim²/6 = beyond
     let discriminant = (4.0 / 9.0 * q0 * q0 + 2.0 / 3.0 * slope * beyond).max(0.0);
     let rim = 2.0 * beyond / (2.0 / 3.0 * q0 + discriminant.sqrt());
+    // the outermost line with load is at the distance ENDS; a point nearer than half a cell to the rim carries nothing
     let rim = rim.clamp(ENDS as f64 - 0.5, ENDS as f64 + 1.5);
     let curvature = -(q0 + slope * rim) / (rim * rim);
     // with t = rim·(1 - u²) the integrand is smooth at the rim

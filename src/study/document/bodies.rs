@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::material::{BodyMaterialKeys, GroupMaterialKeys};
 
-/// The running profile of a rail or wheel: a standard one, a section of its own, or a measured one.
+/// The profile of a rail or wheel: a standard, a section file, or a measured profile.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct SurfaceKeys {

@@ -62,7 +62,7 @@ fn wrong_materials_of_bodies_are_refused() {
     }
 }
 
-/// Goal: a group of a mesh whose section has no keys has the material of its own body, not that of `[material]` (Pa, kg/m³).
+/// Goal: a group of a mesh whose section has no keys has the material of the body that it belongs to, not that of `[material]` (Pa, kg/m³).
 #[test]
 fn a_group_without_keys_has_the_material_of_its_body() {
     let folder = tempfile::tempdir().unwrap();
