@@ -237,9 +237,21 @@ impl Python {
     /// [`NumericsError`] where an iteration of the reference does not converge; [`InputError`] with what the
     /// reference said when it failed otherwise; an interruption by the user.
     pub fn run(&self, folder: &Path, monitor: &dyn Monitor) -> Result<()> {
+        self.answers("__main__", folder, monitor)
+    }
+
+    /// The same for the load case in time of an exchange folder.
+    ///
+    /// # Errors
+    /// As [`Python::run`].
+    pub fn run_in_time(&self, folder: &Path, monitor: &dyn Monitor) -> Result<()> {
+        self.answers("load_case", folder, monitor)
+    }
+
+    fn answers(&self, module: &str, folder: &Path, monitor: &dyn Monitor) -> Result<()> {
         let failed = |cause: std::io::Error| self.missing(&cause.to_string());
         let mut child = self
-            .module("__main__")
+            .module(module)
             .arg(whole(folder))
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
@@ -303,9 +315,14 @@ fn last_line(text: &str) -> Option<&str> {
     text.lines().rev().map(str::trim).find(|line| !line.is_empty())
 }
 
-/// BLAKE3 of those source files of the reference package that answer the questions of a cross-check; the readers of mesh files are no part of it.
+/// BLAKE3 of those source files of the reference package that answer the static questions of a cross-check; the readers of mesh files are no part of it.
 pub fn package_hash() -> String {
     REFERENCE.hash_of_answers()
+}
+
+/// The same with those that run load cases in time.
+pub fn package_hash_in_time() -> String {
+    REFERENCE.hash_in_time()
 }
 
 /// Version of an interpreter and of its packages; fails if those that the package needs cannot be imported.

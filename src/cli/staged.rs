@@ -20,6 +20,7 @@ use crate::results::bodies::estimate::{self, Work};
 use crate::results::bodies::input::SolidsInput;
 use crate::results::crosscheck::deck::Format;
 use crate::results::crosscheck::exchange::Case;
+use crate::results::crosscheck::in_time::input::InTimeInput;
 use crate::results::crosscheck::input::CrosscheckInput;
 use crate::results::crosscheck::write_deck;
 use crate::results::names::{CROSSCHECK_PAGE, REPORT};
@@ -58,6 +59,9 @@ pub(super) enum StudyCommand {
         /// Compare with another program, too, if it is installed
         #[arg(long = "with", value_name = "PROGRAM")]
         with: Option<OtherProgram>,
+        /// Compare the first load case over time instead, on the study's mesh with contact between its elements: some minutes
+        #[arg(long, conflicts_with_all = ["second_order", "with"])]
+        in_time: bool,
         /// Write a copy of the record to this file, to be kept with the study
         #[arg(long, value_name = "FILE")]
         keep: Option<PathBuf>,
@@ -132,6 +136,7 @@ impl StudyCommand {
             Self::Verify(_) => Action::Verify,
             Self::Mesh(_) => Action::Mesh,
             Self::Report(_) => Action::Report,
+            Self::Crosscheck { in_time: true, keep, .. } => Action::CrosscheckInTime { keep: keep.as_deref() },
             Self::Crosscheck { second_order, with, keep, .. } => Action::Crosscheck {
                 second_order: *second_order,
                 with_calculix: with.is_some(),
@@ -159,6 +164,7 @@ pub(super) enum Action<'a> {
     Mesh,
     Report,
     Crosscheck { second_order: bool, with_calculix: bool, keep: Option<&'a Path> },
+    CrosscheckInTime { keep: Option<&'a Path> },
     Deck(Format),
 }
 
@@ -172,7 +178,7 @@ impl Action<'_> {
     fn page(self) -> Option<&'static str> {
         match self {
             Self::Run | Self::Report => Some(REPORT),
-            Self::Crosscheck { .. } => Some(CROSSCHECK_PAGE),
+            Self::Crosscheck { .. } | Self::CrosscheckInTime { .. } => Some(CROSSCHECK_PAGE),
             _ => None,
         }
     }
@@ -260,6 +266,10 @@ pub(super) fn done(
             let record = pipeline.crosscheck(cases, with_calculix, keep)?;
             (results.with_crosscheck(&record), record.holds)
         }
+        Action::CrosscheckInTime { keep } => {
+            let record = pipeline.crosscheck_in_time(keep)?;
+            (results.with_crosscheck(&record), record.holds)
+        }
         Action::Run | Action::Calibrate | Action::Simulate(_) | Action::Verify | Action::Report => {
             let found = match action {
                 Action::Run => pipeline.run()?,
@@ -317,6 +327,7 @@ fn tried(
             true => Purpose::SecondOrder,
             false => Purpose::FirstOrder,
         }),
+        Action::CrosscheckInTime { .. } => InTimeInput::of(study)?.work(),
         Action::Simulate(_) | Action::Report => {
             let steps: Vec<(&String, usize)> =
                 study.scenarios.iter().map(|(name, case)| (name, case.scenario.steps)).collect();

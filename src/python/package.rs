@@ -21,6 +21,8 @@ pub(super) struct Package {
     pub short: &'static str,
     /// Its modules: file and text.
     files: &'static [(&'static str, &'static str)],
+    /// Modules beside them that run load cases in time.
+    in_time: &'static [(&'static str, &'static str)],
     /// Modules beside them that answer no question of a cross-check.
     readers: &'static [(&'static str, &'static str)],
     /// Packages that it imports, with spaces between them.
@@ -47,6 +49,14 @@ pub(super) static REFERENCE: Package = Package {
         ("contact.py", include_str!("../../reference/src/railspring_reference/contact.py")),
         ("run.py", include_str!("../../reference/src/railspring_reference/run.py")),
     ],
+    in_time: &[
+        ("curve.py", include_str!("../../reference/src/railspring_reference/curve.py")),
+        ("moving_surfaces.py", include_str!("../../reference/src/railspring_reference/moving_surfaces.py")),
+        ("coulomb.py", include_str!("../../reference/src/railspring_reference/coulomb.py")),
+        ("dynamics.py", include_str!("../../reference/src/railspring_reference/dynamics.py")),
+        ("in_time.py", include_str!("../../reference/src/railspring_reference/in_time.py")),
+        ("load_case.py", include_str!("../../reference/src/railspring_reference/load_case.py")),
+    ],
     readers: &[
         ("refusal.py", include_str!("../../reference/src/railspring_reference/refusal.py")),
         ("abaqus_cards.py", include_str!("../../reference/src/railspring_reference/abaqus_cards.py")),
@@ -72,6 +82,7 @@ pub(super) static CLUSTER: Package = Package {
         ("worker.py", include_str!("../../cluster/src/railspring_cluster/worker.py")),
         ("client.py", include_str!("../../cluster/src/railspring_cluster/client.py")),
     ],
+    in_time: &[],
     readers: &[],
     imports: "distributed",
     expected: "a Python that has Dask's package distributed",
@@ -85,20 +96,29 @@ fn hash_of<'a>(files: impl Iterator<Item = &'a (&'static str, &'static str)>) ->
 }
 
 impl Package {
-    /// BLAKE3 of all its source files.
-    pub fn hash(&self) -> String {
-        hash_of(self.files.iter().chain(self.readers))
+    fn all(&self) -> impl Iterator<Item = &'static (&'static str, &'static str)> {
+        self.files.iter().chain(self.in_time).chain(self.readers)
     }
 
-    /// The same of those that answer the questions of a cross-check.
+    /// BLAKE3 of all its source files.
+    pub fn hash(&self) -> String {
+        hash_of(self.all())
+    }
+
+    /// The same of those that answer the static questions of a cross-check.
     pub fn hash_of_answers(&self) -> String {
         hash_of(self.files.iter())
+    }
+
+    /// The same of those that run load cases in time.
+    pub fn hash_in_time(&self) -> String {
+        hash_of(self.files.iter().chain(self.in_time))
     }
 
     /// Writes its modules into a folder.
     pub fn write(&self, folder: &Path) -> std::io::Result<()> {
         std::fs::create_dir_all(folder)?;
-        for (name, text) in self.files.iter().chain(self.readers) {
+        for (name, text) in self.all() {
             let file = folder.join(name);
             if std::fs::read(&file).ok().as_deref() != Some(text.as_bytes()) {
                 // commands that run at the same time must not see half a file

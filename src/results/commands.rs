@@ -24,6 +24,8 @@ use crate::results::by_angle::record::StiffnessByAngleRecord;
 use crate::results::by_angle::stage::ByAngle;
 use crate::results::crosscheck::Solvers;
 use crate::results::crosscheck::exchange::Case;
+use crate::results::crosscheck::in_time::input::InTimeInput;
+use crate::results::crosscheck::in_time::stage::CrosscheckInTime;
 use crate::results::crosscheck::input::CrosscheckInput;
 use crate::results::crosscheck::record::CrosscheckRecord;
 use crate::results::crosscheck::stage::Crosscheck;
@@ -359,6 +361,28 @@ impl<'a> StudyRun<'a> {
         let solvers = Solvers::find(cases, calculix, &self.solids.resources)?;
         let (input, resources) = (CrosscheckInput::of(self.study), self.solids.resources);
         let record = self.engine.get(&mut Crosscheck { input, resources, cases, solvers: &solvers })?;
+        self.crosschecked(record, keep)
+    }
+
+    /// The same for the first load case in time.
+    ///
+    /// # Errors
+    /// As [`StudyRun::crosscheck`], and [`InputError`] for a load case that the reference does not have.
+    pub fn crosscheck_in_time(mut self, keep: Option<&Path>) -> Result<CrosscheckRecord> {
+        let keep = keep.map(kept_in).transpose()?;
+        let (input, resources) = (InTimeInput::of(self.study)?, self.solids.resources);
+        let solvers = Solvers::find(&[], false, &resources)?;
+        let record =
+            self.engine.get(&mut CrosscheckInTime { input, resources, python: &solvers.python })?;
+        self.crosschecked(record, keep)
+    }
+
+    /// The pages of a cross-check, and a copy of its record.
+    fn crosschecked(
+        self,
+        record: CrosscheckRecord,
+        keep: Option<(OutputFolder, String)>,
+    ) -> Result<CrosscheckRecord> {
         if let Some((kept, name)) = keep {
             kept.write_json(&name, &record)?;
         }

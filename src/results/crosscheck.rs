@@ -4,6 +4,7 @@
 //! * [`deck`] and [`calculix`]: the same problem as a deck for CalculiX or Abaqus, and running it;
 //! * [`mod@compare`]: answers against answers, with limits and their causes;
 //! * [`questions`]: the questions in words and numbers;
+//! * [`in_time`]: a load case in time, solved again;
 //! * [`mod@sections`]: where on the bodies the answers differ.
 
 pub mod record;
@@ -19,6 +20,7 @@ mod solvers;
 mod prepared;
 mod make;
 pub mod stage;
+pub mod in_time;
 pub mod page;
 
 pub use make::crosscheck;

@@ -14,6 +14,7 @@ use crate::results::bodies::geometry::Geometry;
 use crate::results::bodies::meshes::Meshes;
 use crate::results::crosscheck::answers::{Answers, rail_held};
 use crate::results::crosscheck::input::CrosscheckInput;
+use crate::study::Statics;
 
 /// Version of the layout of `exchange.json`.
 const FORMAT: u32 = 2;
@@ -85,6 +86,8 @@ pub struct Exchange {
     pub cases: Vec<Case>,
     /// Hash of the study.
     pub input_hash: String,
+    /// A load case in time, if one is asked for.
+    pub in_time: Option<Value>,
 }
 
 /// Names of the bodies, in the order of the arrays.
@@ -101,41 +104,24 @@ impl Exchange {
         cases: Vec<Case>,
     ) -> Self {
         let statics = input.statics();
-        let body = |meshes: &Meshes, k: usize, answered: bool| {
-            let (mesh, answer) =
-                if k == 0 { (&meshes.rail, &answers.rail) } else { (&meshes.wheel, &answers.wheel) };
-            let held = if k == 0 { rail_held(statics, mesh) } else { &mesh.bore };
-            let (running, origin, radius) = if k == 0 {
-                (&geometry.pair.placed.curve, Point2::origin(), 0.0)
-            } else {
-                (&geometry.pair.wheel.running, Point2::from(geometry.pair.tape()), geometry.pair.wheel.radius)
-            };
-            Body {
-                mesh: mesh.clone(),
-                materials: if k == 0 { &statics.rail.materials } else { &statics.wheel.materials }.clone(),
-                held: held.to_vec(),
-                forces: if answered {
-                    answer.forces.clone()
-                } else {
-                    vec![Vector3::zeros(); mesh.nodes.len()]
-                },
-                columns: if answered {
-                    answer.columns.iter().map(|&(n, axis)| (mesh.contact.nodes[n], axis)).collect()
-                } else {
-                    Vec::new()
-                },
-                curve: running.sample(CURVE_STEP),
-                origin,
-                radius,
-            }
+        let body = |meshes: &Meshes, k: usize| {
+            let held = if k == 0 { rail_held(statics, &meshes.rail) } else { &meshes.wheel.bore };
+            Body::of(statics, geometry, meshes, k, held.to_vec())
+        };
+        let answered = |k: usize| {
+            let body = body(meshes, k);
+            let answer = if k == 0 { &answers.rail } else { &answers.wheel };
+            let columns = answer.columns.iter().map(|&(n, axis)| (body.mesh.contact.nodes[n], axis)).collect();
+            Body { forces: answer.forces.clone(), columns, ..body }
         };
         Self {
-            bodies: [0, 1].map(|k| body(meshes, k, true)),
-            second_order: fine.map(|fine| [0, 1].map(|k| body(fine, k, false))),
+            bodies: [0, 1].map(answered),
+            second_order: fine.map(|fine| [0, 1].map(|k| body(fine, k))),
             loads: answers.loads.clone(),
             friction: answers.friction,
             cases,
             input_hash: input.key(),
+            in_time: None,
         }
     }
 
@@ -163,25 +149,55 @@ impl Exchange {
             Some(bodies) => set(bodies, "fine_")?,
             None => Value::Null,
         };
-        folder.write_json(
-            "exchange.json",
-            &json!({
-                "format": FORMAT,
-                "input_hash": self.input_hash,
-                "tool": concat!("railspring ", env!("CARGO_PKG_VERSION")),
-                "bodies": set(&self.bodies, "")?,
-                "second_order": second_order,
-                "contact": {
-                    "loads_n": self.loads,
-                    "friction": self.friction,
-                    "cases": self.cases.iter().map(|c| c.name()).collect::<Vec<_>>(),
-                },
-            }),
-        )
+        let mut exchange = json!({
+            "format": FORMAT,
+            "input_hash": self.input_hash,
+            "tool": concat!("railspring ", env!("CARGO_PKG_VERSION")),
+            "bodies": set(&self.bodies, "")?,
+            "second_order": second_order,
+            "contact": {
+                "loads_n": self.loads,
+                "friction": self.friction,
+                "cases": self.cases.iter().map(|c| c.name()).collect::<Vec<_>>(),
+            },
+        });
+        if let Some(case) = &self.in_time {
+            exchange["in_time"] = case.clone();
+        }
+        folder.write_json("exchange.json", &exchange)
     }
 }
 
 impl Body {
+    /// The rail (0) or the wheel (1) of some meshes with its `held` nodes, without forces.
+    pub(super) fn of(
+        statics: Statics<'_>,
+        geometry: &Geometry,
+        meshes: &Meshes,
+        k: usize,
+        held: Vec<usize>,
+    ) -> Self {
+        let pair = &geometry.pair;
+        let (mesh, materials) = match k {
+            0 => (&meshes.rail, &statics.rail.materials),
+            _ => (&meshes.wheel, &statics.wheel.materials),
+        };
+        let (running, origin, radius) = match k {
+            0 => (&pair.placed.curve, Point2::origin(), 0.0),
+            _ => (&pair.wheel.running, Point2::from(pair.tape()), pair.wheel.radius),
+        };
+        Self {
+            mesh: mesh.clone(),
+            materials: materials.clone(),
+            held,
+            forces: vec![Vector3::zeros(); mesh.nodes.len()],
+            columns: Vec::new(),
+            curve: running.sample(CURVE_STEP),
+            origin,
+            radius,
+        }
+    }
+
     fn entry(&self, file: &str) -> Value {
         json!({
             "mesh": file,

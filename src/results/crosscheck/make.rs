@@ -62,6 +62,7 @@ pub fn crosscheck(
         curves: questions::tool_curves(&prepared.answers),
         checks,
         timings,
+        in_time: None,
     };
     let differences = differences(&record, &prepared, &reference);
     Ok((record, differences))

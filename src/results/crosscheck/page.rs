@@ -2,6 +2,7 @@
 //! whoever must trust the numbers.
 
 mod curves;
+mod histories;
 mod scientific;
 mod section;
 
@@ -11,7 +12,7 @@ use serde_json::{Value, json};
 use crate::report::collector::{Collector, Figure};
 use crate::report::html;
 use crate::report::number::number;
-use crate::results::crosscheck::record::{Check, CrosscheckRecord, SectionDifference};
+use crate::results::crosscheck::record::{Check, CrosscheckRecord, ForcesInTime, SectionDifference};
 use crate::results::verdict::tables;
 use crate::rounding::with_minus_signs;
 use crate::study::ResolvedKey;
@@ -98,12 +99,28 @@ fn context(record: &CrosscheckRecord, sections: &[SectionDifference], collected:
     })
 }
 
-fn figures(
-    record: &CrosscheckRecord,
-    sections: &[SectionDifference],
-    collected: &mut Collector,
-) -> Vec<Figure> {
-    let mut found = vec![
+/// The forces of a load case, and what they differ by.
+fn over_time(forces: &ForcesInTime, collected: &mut Collector) -> Vec<Figure> {
+    let case = &forces.case;
+    vec![
+        collected.add(
+            "crosscheck-forces",
+            histories::forces(forces),
+            format!("Load case {case}: vertical (P) and lateral force (Q) of both programs over time."),
+        ),
+        collected.add(
+            "crosscheck-force-differences",
+            histories::differences(forces),
+            "P and Q of the reference solver less those of the tool, and the change of each program with steps twice as long, \
+             relative to the largest force of the reference solver."
+                .into(),
+        ),
+    ]
+}
+
+/// Load curves, and what they differ by.
+fn over_loads(record: &CrosscheckRecord, collected: &mut Collector) -> Vec<Figure> {
+    vec![
         collected.add(
             "crosscheck-load",
             curves::load_over_displacement(record),
@@ -119,7 +136,18 @@ fn figures(
             curves::tangent(record),
             "The same for the tangent stiffness.".into(),
         ),
-    ];
+    ]
+}
+
+fn figures(
+    record: &CrosscheckRecord,
+    sections: &[SectionDifference],
+    collected: &mut Collector,
+) -> Vec<Figure> {
+    let mut found = match &record.in_time {
+        Some(forces) => over_time(forces, collected),
+        None => over_loads(record, collected),
+    };
     for section in sections.iter().filter(|section| !section.cells.is_empty()) {
         let [x, y, z] = section.largest_at_mm.map(number);
         let (body, place) = match section.turned_deg {

@@ -64,17 +64,24 @@ pub fn questions(
     asked
 }
 
-/// Sizes of the exported meshes.
-pub fn meshes(exchange: &Exchange) -> Vec<ExchangedMesh> {
-    let size = |body: &str, mesh: &HexMesh, purpose: &str| ExchangedMesh {
+fn size(body: &str, mesh: &HexMesh, purpose: &str) -> ExchangedMesh {
+    ExchangedMesh {
         body: body.into(),
         purpose: purpose.into(),
         nodes: mesh.nodes.len(),
         elements: mesh.hexes.len(),
         degrees_of_freedom: 3 * mesh.nodes.len(),
-    };
-    let mut sizes: Vec<ExchangedMesh> =
-        BODIES.iter().zip(&exchange.bodies).map(|(name, body)| size(name, &body.mesh, "same mesh")).collect();
+    }
+}
+
+/// Sizes of the exported meshes that are the tool's own.
+pub fn same_mesh(exchange: &Exchange) -> Vec<ExchangedMesh> {
+    BODIES.iter().zip(&exchange.bodies).map(|(name, body)| size(name, &body.mesh, "same mesh")).collect()
+}
+
+/// Sizes of the exported meshes.
+pub fn meshes(exchange: &Exchange) -> Vec<ExchangedMesh> {
+    let mut sizes = same_mesh(exchange);
     if let Some(bodies) = &exchange.second_order {
         let fine = BODIES.iter().zip(bodies);
         sizes.extend(fine.map(|(name, body)| size(name, &body.mesh, "for elements of second order")));

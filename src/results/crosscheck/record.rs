@@ -41,6 +41,33 @@ pub struct CrosscheckRecord {
     pub checks: Vec<Check>,
     /// Times.
     pub timings: Vec<Timing>,
+    /// The forces over time, of a cross-check of a load case.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub in_time: Option<ForcesInTime>,
+}
+
+/// Vertical and lateral force of a load case by both programs.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ForcesInTime {
+    /// Name of the load case.
+    pub case: String,
+    /// Times, ms.
+    pub time_ms: Vec<f64>,
+    /// Each program with the steps of the study and with steps twice as long.
+    pub runs: Vec<RunInTime>,
+}
+
+/// The forces of one run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RunInTime {
+    /// `railspring`, or name and version of the reference solver.
+    pub program: String,
+    /// Length of its steps, µs.
+    pub step_us: f64,
+    /// Vertical force of the wheel on the rail, kN.
+    pub p_kn: Vec<f64>,
+    /// Its lateral force, kN.
+    pub q_kn: Vec<f64>,
 }
 
 impl CrosscheckRecord {
@@ -294,7 +321,7 @@ pub struct Timing {
     pub reference_solver: String,
     /// Degrees of freedom of the reference solver's model.
     pub degrees_of_freedom: usize,
-    /// Loads.
+    /// Loads, or time steps of a load case.
     pub loads: usize,
     /// Time of the tool, s.
     pub tool_seconds: f64,

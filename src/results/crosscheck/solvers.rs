@@ -9,7 +9,7 @@ use crate::results::crosscheck::exchange::Case;
 
 /// The reference solvers, found and able to run.
 pub struct Solvers {
-    pub(super) python: Python,
+    pub(crate) python: Python,
     /// Program and name of CalculiX, if it is to run, too.
     pub(super) calculix: Option<(&'static str, String)>,
 }

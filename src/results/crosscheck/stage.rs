@@ -15,7 +15,7 @@ use crate::results::crosscheck::solvers::Solvers;
 use crate::results::names::{CROSSCHECK, DIFFERENCES};
 
 /// Folder of the questions and answers inside the output folder.
-const EXCHANGE_FOLDER: &str = "crosscheck";
+pub(super) const EXCHANGE_FOLDER: &str = "crosscheck";
 
 /// Questions to reference solvers, and the comparison.
 pub(crate) struct Crosscheck<'a> {

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use crate::results::crosscheck::in_time::input::InTimeInput;
 use crate::results::crosscheck::input::CrosscheckInput;
 use crate::study::{ResolvedKey, Source, Study, StudyScenario};
 use crate::verify::Limits;
@@ -27,14 +28,15 @@ pub struct PageInput<'a> {
     /// The load cases by name.
     #[serde(skip)]
     pub cases: &'a BTreeMap<String, StudyScenario>,
-    /// Key of its cross-check.
+    /// Keys of its cross-checks: the static one, and that of its load case, if it has one that can be asked.
     #[serde(skip)]
-    pub crosscheck: String,
+    pub crosschecks: Vec<String>,
 }
 
 impl<'a> PageInput<'a> {
     /// That of a study.
     pub fn of(study: &'a Study) -> Self {
+        let in_time = InTimeInput::of(study).ok().map(|input| input.key());
         Self {
             name: &study.name,
             description: &study.description,
@@ -42,7 +44,7 @@ impl<'a> PageInput<'a> {
             source: &study.source,
             limits: &study.limits,
             cases: &study.scenarios,
-            crosscheck: CrosscheckInput::of(study).key(),
+            crosschecks: [Some(CrosscheckInput::of(study).key()), in_time].into_iter().flatten().collect(),
         }
     }
 }

@@ -166,7 +166,7 @@ pub(crate) fn crosscheck_alone(input: &PageInput<'_>, folder: &OutputFolder) -> 
 /// or has another layout.
 fn own_crosscheck(input: &PageInput<'_>, folder: &OutputFolder) -> Option<CrosscheckRecord> {
     let record: CrosscheckRecord = folder.read_json(CROSSCHECK, "crosscheck").ok()?;
-    (record.input_hash == input.crosscheck).then_some(record)
+    input.crosschecks.contains(&record.input_hash).then_some(record)
 }
 
 /// The sections of that very cross-check; none if they are not there.

@@ -96,6 +96,7 @@ pub(crate) fn crosscheck() -> CrosscheckRecord {
         curves: Vec::new(),
         checks,
         timings: timings.into(),
+        in_time: None,
     }
 }
 
