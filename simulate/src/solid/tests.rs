@@ -7,6 +7,7 @@
 mod beyond;
 mod fine;
 mod placed;
+mod rods;
 mod widening;
 
 use super::run::Step;
