@@ -47,7 +47,7 @@ fn main() -> Result<()> {
     let simple = simple.run(&scenario, &Silent)?.history;
     let solids = [&bodies.rail_on_ends, &bodies.wheel];
     let contact = (contact.enforcement, contact.field);
-    let solid = TransientModel::reduced(&pair, solids, ModeCount::Estimated, steel.damping, contact);
+    let solid = TransientModel::reduced(&pair, solids, ModeCount::Estimated, steel.damping, contact)?;
     let solid = solid.run(&scenario, &Silent)?.history;
     for line in compare(&ModelRun::alone(&simple), &ModelRun::alone(&solid), &Limits::default())?.lines {
         let value = line.value.map_or_else(|| "none".into(), |value| format!("{value:.3}"));

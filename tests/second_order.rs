@@ -49,7 +49,9 @@ fn the_fine_grid_agrees_with_elements_of_second_order() {
     let (rail, wheel) = rayon::join(|| condense(PairBody::RailOnEnds), || condense(PairBody::Wheel));
     let contact =
         ContactConditions { friction: 0.0, enforcement: Enforcement::Exact, field: ContactField::Hybrid };
-    let pressed = geometry.pair.wheel_on_rail(&rail, &wheel, contact);
+    let rail = geometry.pair.contact_body(PairBody::RailOnEnds, &rail).unwrap();
+    let wheel = geometry.pair.contact_body(PairBody::Wheel, &wheel).unwrap();
+    let pressed = geometry.pair.wheel_on_rail(rail, wheel, contact);
     let states = press_loads(&pressed, &loads, "press", &Silent).unwrap();
     // hub against what is held: the ends of the rail
     let points = load_points(&pressed, &states, Reference::Foot).unwrap();

@@ -54,7 +54,8 @@ fn contact(criterion: &mut Criterion) {
     let bodies = meshes.condense(&pair, PairBody::of_pair(false), Material::STEEL, ELEMENT, &Silent).unwrap();
     let wheel_on_rail = |friction, field| {
         let contact = ContactConditions { friction, enforcement: Enforcement::Exact, field };
-        pair.wheel_on_rail(&bodies.rail_on_ends, &bodies.wheel, contact)
+        let rail = pair.contact_body(PairBody::RailOnEnds, &bodies.rail_on_ends).unwrap();
+        pair.wheel_on_rail(rail, pair.contact_body(PairBody::Wheel, &bodies.wheel).unwrap(), contact)
     };
     let (smooth, rough) =
         (wheel_on_rail(0.0, ContactField::Elements), wheel_on_rail(0.3, ContactField::Elements));

@@ -15,6 +15,7 @@ mod geometry;
 mod references;
 mod solids;
 mod bodies;
+mod belonging;
 mod by_shift;
 mod error_band;
 mod horizontal_band;

@@ -32,7 +32,9 @@ fn ratios(shifts: &[f64], options: &MeshOptions) -> Vec<f64> {
     let published = StiffnessLaw::published();
     let ratio = |shift: &f64| {
         let pair = at(*shift);
-        let wheel_on_rail = pair.wheel_on_rail(&rail, &wheel, CONTACT);
+        let on_foot = pair.contact_body(PairBody::RailOnFoot, &rail).unwrap();
+        let wheel = pair.contact_body(PairBody::Wheel, &wheel).unwrap();
+        let wheel_on_rail = pair.wheel_on_rail(on_foot, wheel, CONTACT);
         let states = press_loads(&wheel_on_rail, &LOADS, "press", &Silent).unwrap();
         let [from, to] = [0, 1].map(|load| states[load].hub.y);
         (published.displacement(LOADS[1]) - published.displacement(LOADS[0])) / (to - from)

@@ -34,7 +34,9 @@ fn hub_displacement(contact_element: f64) -> [f64; 2] {
         [PairBody::RailOnFoot, PairBody::Wheel].map(|body| solids.condense(body, solids.key(body)).unwrap());
     let contact =
         ContactConditions { friction: 0.0, enforcement: Enforcement::Exact, field: ContactField::Hybrid };
-    let wheel_on_rail = pair.wheel_on_rail(&rail, &wheel, contact);
+    let rail = pair.contact_body(PairBody::RailOnFoot, &rail).unwrap();
+    let wheel_on_rail =
+        pair.wheel_on_rail(rail, pair.contact_body(PairBody::Wheel, &wheel).unwrap(), contact);
     let states = press_loads(&wheel_on_rail, &[20e3, 160e3], "press", &Silent).unwrap();
     [0, 1].map(|load| states[load].hub.dot(&wheel_on_rail.along))
 }

@@ -50,7 +50,9 @@ fn tread_corner_and_flange_reach_their_answer() {
             for friction in [0.05, 0.3, 0.6] {
                 let (enforcement, field) = (Enforcement::Exact, ContactField::Elements);
                 let contact = ContactConditions { friction, enforcement, field };
-                let pair = shifted.wheel_on_rail(&on_foot, &on_hub, contact);
+                let rail = shifted.contact_body(PairBody::RailOnFoot, &on_foot).unwrap();
+                let wheel = shifted.contact_body(PairBody::Wheel, &on_hub).unwrap();
+                let pair = shifted.wheel_on_rail(rail, wheel, contact);
                 let case = format!("{name}, shift {lateral_shift} m, friction {friction}");
                 let states = press_loads(&pair, &loads, "press", &Silent)
                     .unwrap_or_else(|error| panic!("{case}: {error}"));

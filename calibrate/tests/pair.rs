@@ -8,6 +8,7 @@ use railspring_calibrate::superelement::{CondensedBody, body_key};
 use railspring_profiles::monitor::Silent;
 use railspring_profiles::placement::TrackGeometry;
 use railspring_profiles::section::{rail_section, wheel_section};
+use std::path::Path;
 
 fn coarse() -> MeshOptions {
     MeshOptions { contact_element: 6e-3, contact_element_along: 6e-3, ..MeshOptions::default() }
@@ -96,7 +97,7 @@ fn files_that_are_no_bodies_are_refused() {
     let mut endless = body.clone();
     endless.compliance[(0, 0)] = f64::INFINITY;
     let endless = endless.write();
-    let other = String::from_utf8_lossy(&file[8..header]).replace("body 3", "body 9").into_bytes();
+    let other = String::from_utf8_lossy(&file[8..header]).replace("body 4", "body 9").into_bytes();
     let other = [&file[..8], &other, &file[header..]].concat();
     let cases: [(&[u8], &str); 5] = [
         (&[], "condensed body"),
@@ -140,4 +141,47 @@ fn a_body_knows_what_made_it() {
     let on_foot = [&here, &there].map(|bodies| &bodies.rail_on_foot.as_ref().unwrap().key);
     assert_eq!(on_foot[0], on_foot[1]);
     assert_ne!(on_foot[0], &here.rail_on_ends.key);
+}
+
+/// Goal: a body of another pair is refused by every way to press or move it, with its file, what it is of, how far it is off and what this pair wants: another wheel
+/// profile, another diameter, another inclination, and another rail with the same head, whose shear centre lies elsewhere. A lateral shift of the wheel changes
+/// no body; the same bodies pass then.
+#[test]
+fn bodies_of_another_pair_are_refused() {
+    let track = TrackGeometry::standard();
+    let of = |rail: &str, wheel: &str, diameter: f64, track: &TrackGeometry| {
+        Pair::new(rail_section(rail).unwrap(), wheel_section(wheel, diameter).unwrap(), track).unwrap()
+    };
+    let own = pair();
+    let mut bodies = condensed(&own);
+    let place = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let path = place.join("wheel-s1002.safetensors");
+    std::fs::write(&path, bodies.wheel.write()).unwrap();
+    bodies.wheel = CondensedBody::open(&path).unwrap();
+    assert_eq!(bodies.wheel.of, "wheel S1002 of 858.0 mm");
+    let contact =
+        ContactConditions { friction: 0.3, enforcement: Enforcement::Exact, field: ContactField::Elements };
+    let pressed = |pair: &Pair| bodies.press(pair, contact, &[20e3, 40e3, 60e3, 80e3], &Silent).map(|_| ());
+    let upright = TrackGeometry { inclination: 0.0, ..track.clone() };
+    let cases = [
+        (of("60E1", "EN13715-1in40", 0.858, &track), "wheel-s1002.safetensors (wheel S1002 of 858.0 mm)"),
+        (of("60E1", "S1002", 0.86, &track), "mm off its running surface"),
+        (of("60E1", "S1002", 0.858, &upright), "rail between its ends, 60E1 inclined by 1.43"),
+        (of("54E1", "S1002", 0.858, &track), "54E1 inclined by 1.43"),
+    ];
+    for (pair, part) in &cases {
+        let said = pressed(pair).unwrap_err().to_string();
+        assert!(said.contains(part) && said.contains("a body of this pair"), "{said}");
+    }
+    let shifted = of("60E1", "S1002", 0.858, &TrackGeometry { lateral_shift: 2e-3, ..track.clone() });
+    pressed(&shifted).unwrap();
+    own.check_body(PairBody::RailOnFoot, bodies.rail_on_foot.as_ref().unwrap()).unwrap();
+    let swapped = own.check_body(PairBody::Wheel, &bodies.rail_on_ends).unwrap_err().to_string();
+    assert!(swapped.contains("rail between its ends") && swapped.starts_with("wheel"), "{swapped}");
+    let mut other = bodies.rail_on_ends.clone();
+    other.section.as_mut().unwrap().shear_centre.y += 2e-3;
+    let said = own.check_body(PairBody::RailOnEnds, &other).unwrap_err().to_string();
+    assert!(said.contains("its shear centre 2.00 mm off"), "{said}");
+    let missing = CondensedBody::open(&place.join("none")).map(|_| ()).unwrap_err().to_string();
+    assert!(missing.contains("none") && missing.contains("check the path"), "{missing}");
 }

@@ -106,7 +106,8 @@ fn a_wheel_near_a_held_end_follows_the_solids_there() {
     let near = condensed(&pair, &mesh, PLACE, PairBody::RailOnEnds);
     let contact = (CONTACT.enforcement, CONTACT.field);
     let solid =
-        TransientModel::reduced(&pair, [&near, &wheel], ModeCount::Given(MODES), steel().damping, contact);
+        TransientModel::reduced(&pair, [&near, &wheel], ModeCount::Given(MODES), steel().damping, contact)
+            .unwrap();
     let adaptive = Scenario { inner_steps: InnerSteps::Adaptive(StepControl::DEFAULT), ..sine() };
     let solid = solid.run(&adaptive, &Silent).unwrap().history;
     let middle = condensed(&pair, &mesh, 0.5 * LENGTH, PairBody::RailOnEnds);

@@ -71,7 +71,8 @@ fn of_solids(track: &Track, pair: &Pair, x: f64) -> Matrix2<f64> {
     let system = System::new(&mesh, Material::STEEL, Formulation::IncompatibleModes, &supports).unwrap();
     let rail = Superelement::new(system).unwrap();
     let rail = ContactBody { compliance: &rail.compliance, grid: &mesh.contact, material: Material::STEEL };
-    let placed = pair.wheel_on_rail(rail, &track.bodies.wheel, contact());
+    let wheel = pair.contact_body(PairBody::Wheel, &track.bodies.wheel).unwrap();
+    let placed = pair.wheel_on_rail(rail, wheel, contact());
     let states = press_loads(&placed, &[LOAD], "press", &Silent).unwrap();
     sticking_flexibility(&placed, &states[0]).unwrap().flexibility
 }

@@ -73,7 +73,7 @@ fn a_wheel_along_the_rail_is_one_on_the_solids_there() {
     let path = RailPath::new(&pair, &middle, &options(), &steel, ELEMENT, (LENGTH, MODES)).unwrap();
     let model = |rail, material: Material| {
         let modes = ModeCount::Given(MODES);
-        TransientModel::reduced(&pair, [rail, &wheel], modes, material.damping, CONTACT)
+        TransientModel::reduced(&pair, [rail, &wheel], modes, material.damping, CONTACT).unwrap()
     };
     let moving = |material| model(&middle, material).along(&path);
     let run = |model: &TransientModel, scenario: &Scenario| model.run(scenario, &Silent).unwrap().history;

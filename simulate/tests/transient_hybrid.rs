@@ -76,7 +76,7 @@ fn run_reduced(
     scenario: &Scenario,
 ) -> Result<TransientRun, Error> {
     let contact = (Enforcement::Exact, ContactField::Hybrid);
-    TransientModel::reduced(pair, [rail, wheel], modes, steel().damping, contact).run(scenario, &Silent)
+    TransientModel::reduced(pair, [rail, wheel], modes, steel().damping, contact)?.run(scenario, &Silent)
 }
 
 /// Largest difference of P and of Q over the largest value of the second history.
@@ -189,7 +189,8 @@ fn a_second_load_case_is_that_of_its_own_run() {
     let bodies = condensed(&pair, &meshes, 16);
     let contact = (Enforcement::Exact, ContactField::Hybrid);
     let [rail, wheel] = &bodies;
-    let model = TransientModel::reduced(&pair, [rail, wheel], ModeCount::Given(16), steel().damping, contact);
+    let model = TransientModel::reduced(&pair, [rail, wheel], ModeCount::Given(16), steel().damping, contact)
+        .unwrap();
     let first = pressed(6);
     let mut second = first.clone();
     second.lateral_force.constant += 5e3;

@@ -29,7 +29,7 @@ pub struct ContactConditions {
     pub field: ContactField,
 }
 
-/// What a contact needs of a condensed body.
+/// What a contact needs of a condensed body ([`Pair::contact_body`]).
 #[derive(Debug, Clone, Copy)]
 pub struct ContactBody<'a> {
     /// Compliance of the contact nodes (`3·node + axis`), m/N.
@@ -40,21 +40,14 @@ pub struct ContactBody<'a> {
     pub material: Material,
 }
 
-impl<'a> From<&'a CondensedBody> for ContactBody<'a> {
-    fn from(body: &'a CondensedBody) -> Self {
-        Self { compliance: &body.compliance, grid: &body.grid, material: body.surface }
-    }
-}
-
 impl Pair {
     /// The wheel in place on the rail, pressed downwards.
     pub fn wheel_on_rail<'a>(
         &'a self,
-        rail: impl Into<ContactBody<'a>>,
-        wheel: impl Into<ContactBody<'a>>,
+        rail: ContactBody<'a>,
+        wheel: ContactBody<'a>,
         ContactConditions { friction, enforcement, field }: ContactConditions,
     ) -> WheelOnRail<'a> {
-        let (rail, wheel) = (rail.into(), wheel.into());
         WheelOnRail {
             rail: rail.compliance,
             wheel: wheel.compliance,
@@ -194,7 +187,7 @@ impl CondensedPair {
     /// before, as long as these are enough for a law.
     ///
     /// # Errors
-    /// Those of [`press_loads`](crate::calibration::press_loads).
+    /// Bodies that are not of the `pair` ([`Pair::check_body`]), and those of [`press_loads`](crate::calibration::press_loads).
     pub fn press<'a>(
         &'a self,
         pair: &'a Pair,
@@ -247,7 +240,7 @@ impl CondensedPair {
     /// The wheel in place on the rail, pressed downwards, with what the reference fixes of the rail.
     ///
     /// # Errors
-    /// As [`Self::rail`].
+    /// As [`Self::rail`], and bodies that are not of the `pair` ([`Pair::check_body`]).
     pub(crate) fn wheel_on_rail<'a>(
         &'a self,
         pair: &'a Pair,
@@ -255,12 +248,13 @@ impl CondensedPair {
         contact: ContactConditions,
     ) -> Result<WheelOnRail<'a>> {
         let body = self.rail(reference)?;
-        let compliance = match reference {
-            Reference::Foot => &body.compliance,
-            Reference::Beam | Reference::Local => &self.against_section,
+        let (held, compliance) = match reference {
+            Reference::Foot => (PairBody::RailOnFoot, &body.compliance),
+            Reference::Beam | Reference::Local => (PairBody::RailOnEnds, &self.against_section),
         };
-        let rail = ContactBody { compliance, ..body.into() };
-        Ok(pair.wheel_on_rail(rail, &self.wheel, contact))
+        let rail = ContactBody { compliance, ..pair.contact_body(held, body)? };
+        let wheel = pair.contact_body(PairBody::Wheel, &self.wheel)?;
+        Ok(pair.wheel_on_rail(rail, wheel, contact))
     }
 }
 

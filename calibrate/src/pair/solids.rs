@@ -137,7 +137,8 @@ impl<'a> PairSolids<'a> {
                 .transpose()
         };
         let modes = if body.is_in_time() { modes } else { 0 };
-        self.parts(body)?.condensed(Wanted { key, modes, section: &section }, begins)
+        let condensed = self.parts(body)?.condensed(Wanted { key, modes, section: &section }, begins)?;
+        Ok(CondensedBody { of: self.pair.named(body), ..condensed })
     }
 
     /// The body as its equations are eliminated: by halves, if it is its own mirror image.

@@ -11,6 +11,7 @@ use faer::Mat;
 use faer::sparse::{SparseColMat, SparseColMatRef, SymbolicSparseColMatRef};
 use nalgebra::Point3;
 use railspring_profiles::error::Result;
+use std::path::PathBuf;
 
 /// A body reduced to its contact nodes. It borrows nothing, so that it outlives mesh and factor, and it can be written
 /// and read ([`CondensedBody::write`]).
@@ -35,6 +36,10 @@ pub struct CondensedBody {
     pub section: Option<SectionMotion>,
     /// What it needs to move: [`Superelement::modes`]; statics do without.
     pub modes: Option<Modes>,
+    /// What it is a body of, for messages; empty of a body that is of no pair.
+    pub of: String,
+    /// The file that it was read from ([`CondensedBody::open`]).
+    pub file: Option<PathBuf>,
 }
 
 /// The inside of a body, which only fields need once it is condensed: it borrows the mesh and holds the factor of the stiffness between
@@ -51,7 +56,7 @@ pub struct Interior<'a> {
 /// Hash of everything that a condensed body depends on: mesh, materials, element and supports.
 pub fn body_key(mesh: &HexMesh, materials: &Materials, element: Formulation, supports: &Supports) -> String {
     let mut hasher = Hasher::new();
-    hasher.update(b"condensed body 2");
+    hasher.update(b"condensed body 3");
     let mut numbers = |values: &[f64]| {
         hasher.update(&(values.len() as u64).to_le_bytes());
         values.iter().for_each(|v| {
@@ -93,6 +98,8 @@ impl Superelement<'_> {
             surface: Material { damping: 0.0, ..system.materials.at_contact(mesh) },
             section: None,
             modes: None,
+            of: String::new(),
+            file: None,
         }
     }
 }

@@ -8,11 +8,20 @@ use crate::solid::Material;
 use faer::Mat;
 use nalgebra::{DMatrix, Matrix3, Matrix6, Point2, Point3};
 use railspring_profiles::error::{InputError, Result};
+use railspring_profiles::input;
 use safetensors::tensor::{Dtype, SafeTensors, TensorView, serialize};
 use std::collections::{BTreeMap, HashMap};
+use std::path::Path;
 
 /// Layout of the file.
-const FORMAT: &str = "railspring condensed body 3";
+const FORMAT: &str = "railspring condensed body 4";
+
+/// Largest file that is read, bytes.
+const LARGEST: u64 = 4 << 30;
+
+fn refused(name: &str, found: String) -> InputError {
+    InputError::new(name, found, "a file as `CondensedBody::write` writes it", "condense the body again")
+}
 
 impl CondensedBody {
     /// The body as a file: tensors `compliance` (column by column), `nodes`, `along_profile`, `along_track` and
@@ -66,6 +75,7 @@ impl CondensedBody {
         let metadata: HashMap<String, String> = [
             ("format", FORMAT.to_string()),
             ("key", self.key.clone()),
+            ("of", self.of.clone()),
             ("equations", self.equations.to_string()),
             ("mass_kg", format!("{:e}", self.mass)),
             ("young_pa", format!("{:e}", self.surface.young)),
@@ -80,21 +90,26 @@ impl CondensedBody {
         serialize(tensors, Some(line)).expect("names and shapes are plain")
     }
 
+    /// Reads a file with what [`CondensedBody::write`] wrote; what refuses the body later names the file.
+    ///
+    /// # Errors
+    /// [`InputError`] with the file: one that cannot be read, and as [`CondensedBody::read`].
+    pub fn open(path: &Path) -> Result<Self> {
+        let name = path.display().to_string();
+        let bytes = input::read(path, LARGEST).map_err(|cause| {
+            InputError::new(&name, cause, "a file as `CondensedBody::write` writes it", "check the path")
+        })?;
+        let body = Self::parsed(&bytes).map_err(|found| refused(&name, found))?;
+        Ok(Self { file: Some(path.to_path_buf()), ..body })
+    }
+
     /// Reads what [`CondensedBody::write`] wrote.
     ///
     /// # Errors
     /// [`InputError`] for bytes of another layout, a matrix that is not square or does not suit its grid, and values that
     /// are not finite.
     pub fn read(bytes: &[u8]) -> Result<Self> {
-        Self::parsed(bytes).map_err(|found| {
-            InputError::new(
-                "condensed body",
-                found,
-                "a file as `CondensedBody::write` writes it",
-                "condense the body again",
-            )
-            .into()
-        })
+        Self::parsed(bytes).map_err(|found| refused("condensed body", found).into())
     }
 
     fn parsed(bytes: &[u8]) -> std::result::Result<Self, String> {
@@ -191,6 +206,8 @@ impl CondensedBody {
             },
             section,
             modes,
+            of: entry("of")?.clone(),
+            file: None,
         })
     }
 }

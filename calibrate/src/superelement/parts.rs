@@ -145,6 +145,8 @@ impl Parts<'_> {
                     surface: symmetric.surface,
                     section,
                     modes: with.zip(against).map(|(with, against)| Modes::joined(half, [with, against])),
+                    of: String::new(),
+                    file: None,
                 })
             }
         }

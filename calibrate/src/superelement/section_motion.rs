@@ -21,7 +21,7 @@ use railspring_profiles::placement::PlacedRail;
 #[derive(Debug, Clone, PartialEq)]
 pub struct SectionMotion {
     /// World position (y, z) of the shear centre, m.
-    pub(super) shear_centre: Point2<f64>,
+    pub shear_centre: Point2<f64>,
     /// Motion under unit beam forces on the section, the rail held as the superelement is.
     pub flexibility: Matrix3<f64>,
     /// Positions (y, z) of the contact nodes, m.

@@ -5,9 +5,10 @@ use nalgebra::Point2;
 use railspring_calibrate::calibration::{ContactField, Enforcement};
 use railspring_calibrate::contact::Surface;
 use railspring_calibrate::mesh::{HexMesh, SurfaceGrid};
-use railspring_calibrate::pair::Pair;
+use railspring_calibrate::pair::{Pair, PairBody};
 use railspring_calibrate::solid::{Formulation, Material, Materials};
 use railspring_calibrate::superelement::{CondensedBody, Modes};
+use railspring_profiles::error::Result;
 use railspring_profiles::placement::PlacedRail;
 
 /// Everything the transient solid model is made of.
@@ -83,16 +84,21 @@ impl<'a> TransientModel<'a> {
 
     /// The solid model of a pair with reduced bodies: the rail between its ends and the wheel, both with modes and with a `damping`
     /// ([`Material::damping`]).
+    ///
+    /// # Errors
+    /// Bodies that are not of the `pair` ([`Pair::check_body`]).
     pub fn reduced(
         pair: &'a Pair,
         [rail, wheel]: [&'a CondensedBody; 2],
         modes: ModeCount,
         damping: f64,
         contact: (Enforcement, ContactField),
-    ) -> Self {
+    ) -> Result<Self> {
+        pair.check_body(PairBody::RailOnEnds, rail)?;
+        pair.check_body(PairBody::Wheel, wheel)?;
         let bodies = SolidBodies::Reduced { rail, wheel, modes };
         let surfaces = [rail, wheel].map(|body| Material { damping, ..body.surface });
-        Self::with(pair, bodies, [&rail.grid, &wheel.grid], surfaces, contact)
+        Ok(Self::with(pair, bodies, [&rail.grid, &wheel.grid], surfaces, contact))
     }
 
     /// The bodies of a pair with the grids of their contact surfaces.

@@ -112,7 +112,7 @@ impl OtherSolids<'_> {
         let path = path_on(&input, geometry, options, (bodies[0], scenario, modes))?;
         let contact = (input.pair.contact.of_solids().0, field);
         let count = ModeCount::Given(modes);
-        let model = TransientModel::reduced(&geometry.pair, bodies, count, input.damping, contact);
+        let model = TransientModel::reduced(&geometry.pair, bodies, count, input.damping, contact)?;
         let model = match &path {
             Some(path) => model.along(path),
             None => model,

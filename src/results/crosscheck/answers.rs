@@ -213,7 +213,10 @@ impl<'a> Asked<'a> {
         let clock = Instant::now();
         let contact =
             ContactConditions { friction, enforcement: Enforcement::Exact, field: ContactField::Elements };
-        let mut pair = self.geometry.pair.wheel_on_rail(&bodies.rail, &bodies.wheel, contact);
+        let own = &self.geometry.pair;
+        let rail = own.contact_body(rail_in_use(self.statics), &bodies.rail)?;
+        let wheel = own.contact_body(PairBody::Wheel, &bodies.wheel)?;
+        let mut pair = own.wheel_on_rail(rail, wheel, contact);
         for surface in [&mut pair.rail_surface, &mut pair.wheel_surface] {
             surface.between_nodes = between_nodes;
         }

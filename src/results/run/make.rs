@@ -260,7 +260,7 @@ pub fn simulate_solid(
     let with = |modes, count| {
         let bodies = bodies(modes)?;
         let path = path_on(input, geometry, meshes.options(), (bodies.both()[0], &scenario, modes))?;
-        let model = TransientModel::reduced(pair, bodies.both(), count, input.damping, contact);
+        let model = TransientModel::reduced(pair, bodies.both(), count, input.damping, contact)?;
         let model = match &path {
             Some(path) => model.along(path),
             None => model,

@@ -169,7 +169,10 @@ pub(super) fn contact(
 ) -> Result<()> {
     let conditions = make::contact_conditions(study.statics());
     let largest = study.calibration.loads.last().copied().unwrap_or(0.0);
-    let on_rail = geometry.pair.wheel_on_rail(rail, wheel, conditions);
+    let pair = &geometry.pair;
+    let (on_rail, on_wheel) =
+        (pair.contact_body(PairBody::RailOnEnds, rail)?, pair.contact_body(PairBody::Wheel, wheel)?);
+    let on_rail = pair.wheel_on_rail(on_rail, on_wheel, conditions);
     one(size, ("one load", "loads"), monitor, |clock| {
         let states = press_loads(&on_rail, &LOADS.map(|share| share * largest), "loads", clock)?;
         let begun = std::time::Instant::now();
@@ -179,7 +182,7 @@ pub(super) fn contact(
     })?;
     let modes = ModeCount::Given(size_of_modes(rail, wheel));
     let contact = (conditions.enforcement, conditions.field);
-    let model = TransientModel::reduced(&geometry.pair, [rail, wheel], modes, study.damping, contact);
+    let model = TransientModel::reduced(pair, [rail, wheel], modes, study.damping, contact)?;
     let scenario = scenario(study);
     one(size, ("one step", "transient solid model"), monitor, |clock| {
         model.run(&scenario, clock).map(|_| 0.0)
