@@ -2,28 +2,36 @@
 //! tool as they are now.
 //!
 //! Source: the records themselves. Goal: input hash, hash of the reference package, hub displacement
-//! (mm) and tangent stiffness (kN/m) of the tool under every load of the record, and the verdict. Accuracy:
-//! hashes exactly, numbers to what the order of sums on another processor may change.
+//! (mm) and tangent stiffness (kN/m) of the tool under every load of the record, forces (kN) of the tool at all times of a load case, and the verdict.
+//! Accuracy: hashes exactly, numbers to what the order of sums on another processor may change.
 
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use railspring::engine::output::OutputFolder;
-use railspring::python::package_hash;
+use railspring::python::{package_hash, package_hash_in_time};
 use railspring::results::bodies::estimate::Resources;
 use railspring::results::bodies::{geometry, meshes, zones};
 use railspring::results::crosscheck::answers;
+use railspring::results::crosscheck::in_time::input::InTimeInput;
+use railspring::results::crosscheck::in_time::tool::{self, ToolRuns};
 use railspring::results::crosscheck::input::CrosscheckInput;
 use railspring::results::crosscheck::questions::tool_curves;
-use railspring::results::crosscheck::record::{CrosscheckRecord, ToolCurve};
+use railspring::results::crosscheck::record::{CrosscheckRecord, RunInTime, ToolCurve};
 use railspring::results::study_run::StudyRun;
 use railspring::study::Study;
 use railspring_profiles::monitor::Silent;
+use railspring_profiles::units::KILONEWTON;
+use railspring_simulate::time::history::{Ending, History, HistoryRow};
 
 /// SOLVER: end of the contact iterations; rounding of other processors is far below.
 const SOLVER: f64 = 1e-6;
+/// SOLVER: 1e-10 of the largest force in each of 2400 steps; impacts make twelve times as much of it, which is what they make of a load that is
+/// 0.1 % larger.
+const SOLVER_IN_TIME: f64 = 3e-6;
 /// What makes the records again.
-const REMEDY: &str = "run `cargo validate` and `cargo validate-calculix`, and commit the files";
+const REMEDY: &str =
+    "run `cargo validate`, `cargo validate-calculix` and `cargo validate-in-time`, and commit the files";
 
 fn folder(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("data").join(name)
@@ -44,17 +52,63 @@ fn now(study: &Study) -> Vec<ToolCurve> {
     tool_curves(&answers::answers(statics, &geometry, &meshes, &Silent).unwrap_or_else(|e| panic!("{e}")))
 }
 
+/// The tool's histories of a study's load case.
+fn in_time_now(study: &Study) -> ToolRuns {
+    let input = InTimeInput::of(study).unwrap_or_else(|e| panic!("{e}"));
+    let statics = input.statics();
+    let geometry = geometry::geometry(statics).unwrap_or_else(|e| panic!("{e}"));
+    let meshes = meshes::meshes(statics, &geometry, zones::mesh_options(statics, &geometry), None, &Silent)
+        .unwrap_or_else(|e| panic!("{e}"));
+    tool::runs(&input, &geometry, &meshes, &Silent).unwrap_or_else(|e| panic!("{e}"))
+}
+
 /// What is stale in a record, or does not hold; the tool's numbers by its `curves`, if they are there.
 fn stale(record: &CrosscheckRecord, study: &Study, curves: Option<&[ToolCurve]>) -> Vec<String> {
+    let keys = (CrosscheckInput::of(study).key(), package_hash());
+    let mut found = stale_for(record, keys);
+    found.extend(curves.and_then(|curves| moved(&record.curves, curves)));
+    found
+}
+
+/// The same of a load case in time; the tool's numbers by its `runs`.
+fn stale_in_time(record: &CrosscheckRecord, study: &Study, runs: Option<&ToolRuns>) -> Vec<String> {
+    let input = InTimeInput::of(study).unwrap_or_else(|e| panic!("{e}"));
+    let mut found = stale_for(record, (input.key(), package_hash_in_time()));
+    let kept = record.in_time.as_ref().map(|forces| forces.runs.as_slice());
+    let Some([tool, longer, _, _]) = kept else {
+        found.push("the record has not two runs of each program".into());
+        return found;
+    };
+    for (kept, now) in runs.iter().flat_map(|runs| [(tool, &runs.history), (longer, &runs.longer)]) {
+        found.extend(moved_in_time(kept, now));
+    }
+    found
+}
+
+/// The force of the tool that is no longer the recorded one at all times.
+fn moved_in_time(kept: &RunInTime, now: &History) -> Option<String> {
+    let forces = |of: fn(&HistoryRow) -> f64| now.rows.iter().map(|row| of(row) / KILONEWTON).collect();
+    let now: [(&str, &[f64], Vec<f64>); 2] = [
+        ("P", &kept.p_kn, forces(|row| row.vertical_force)),
+        ("Q", &kept.q_kn, forces(|row| row.lateral_force)),
+    ];
+    now.into_iter().find_map(|(name, was, is)| {
+        let peak = was.iter().map(|f| f.abs()).fold(0.0, f64::max);
+        let same = was.len() == is.len()
+            && was.iter().zip(&is).all(|(was, is)| (was - is).abs() <= SOLVER_IN_TIME * peak);
+        (!same).then(|| format!("{name} of the tool is not what it was, steps of {} µs", kept.step_us))
+    })
+}
+
+/// What is stale or does not hold, but for the tool's numbers, of a record with a key and a hash of the reference package.
+fn stale_for(record: &CrosscheckRecord, (key, package_hash): (String, String)) -> Vec<String> {
     let mut found = Vec::new();
-    let key = CrosscheckInput::of(study).key();
     if record.input_hash != key {
         found.push(format!("the study or the program's version has changed; the key is now {key}"));
     }
-    if record.reference.package_hash != package_hash() {
+    if record.reference.package_hash != package_hash {
         found.push("the reference package has changed".into());
     }
-    found.extend(curves.and_then(|curves| moved(&record.curves, curves)));
     let failing = record.checks.iter().filter(|c| !(c.holds && c.difference <= c.limit)).count();
     if failing > 0 || !record.holds || record.checks.is_empty() {
         found.push(format!("{failing} of {} checks do not hold", record.checks.len()));
@@ -89,19 +143,19 @@ fn moved(kept: &[ToolCurve], now: &[ToolCurve]) -> Option<String> {
     })
 }
 
-/// The study whose numbers of today take a minute.
-const FINE: &str = "uic60-s1002-fine";
+/// The studies whose numbers of today take a minute each.
+const LONG: [&str; 2] = ["uic60-s1002-fine", "uic60-s1002-in-time"];
 
-/// Goal: the example studies have kept records, one with elements of second order and one with CalculiX, and
-/// every kept record is fresh and holds; the tool's numbers of the fine study are left to `cargo long every_kept_record`.
+/// Goal: the example studies have kept records, one with elements of second order, one with CalculiX and one in time, and
+/// every kept record is fresh and holds; the tool's numbers of some studies are left to `cargo long every_kept_record`.
 #[test]
 fn kept_records_are_fresh() {
-    records_are_fresh(|name| name != FINE);
+    records_are_fresh(|name| !LONG.contains(&name));
 }
 
 /// Goal: the numbers of every record are those of the tool as it is now.
 #[test]
-#[ignore = "a minute; `cargo long every_kept_record`"]
+#[ignore = "three minutes; `cargo long every_kept_record`"]
 fn the_numbers_of_every_kept_record_are_fresh() {
     records_are_fresh(|_| true);
 }
@@ -114,6 +168,7 @@ fn records_are_fresh(computed: impl Fn(&str) -> bool) {
     let calculix =
         record("uic60-s1002-fine.json").checks.iter().any(|c| c.reference_solver.starts_with("CalculiX"));
     assert!(calculix, "no CalculiX; {REMEDY}");
+    assert!(record("uic60-s1002-in-time.json").in_time.is_some(), "no load case in time; {REMEDY}");
     let mut files: Vec<PathBuf> =
         std::fs::read_dir(folder("crosscheck")).unwrap().map(|entry| entry.unwrap().path()).collect();
     files.retain(|path| path.extension().is_some_and(|e| e == "json"));
@@ -121,8 +176,12 @@ fn records_are_fresh(computed: impl Fn(&str) -> bool) {
     for path in files {
         let study = folder("studies").join(path.file_name().unwrap()).with_extension("toml");
         let study = Study::read(&study).unwrap_or_else(|e| panic!("{e}"));
-        let curves = computed(&study.name).then(|| now(&study));
-        let found = stale(&read(&path), &study, curves.as_deref());
+        let (record, computed) = (read(&path), computed(&study.name));
+        let found = if record.in_time.is_some() {
+            stale_in_time(&record, &study, computed.then(|| in_time_now(&study)).as_ref())
+        } else {
+            stale(&record, &study, computed.then(|| now(&study)).as_deref())
+        };
         assert!(found.is_empty(), "{}: {}; {REMEDY}", path.display(), found.join("; "));
     }
 }
@@ -278,4 +337,48 @@ fn every_kind_of_staleness_is_found() {
     assert!(changed(|r| r.holds = false).contains("do not hold"));
     assert!(changed(|r| r.checks[0].difference = 2.0 * r.checks[0].limit).contains("1 of"));
     assert!(changed(|r| r.checks.clear()).contains("0 of 0"));
+}
+
+/// Goal: each change of study, reference, tool and verdict of the record in time is found, alone; of a kept record with what its tool found then.
+#[test]
+fn every_kind_of_staleness_in_time_is_found() {
+    let study = Study::read(&folder("studies").join("uic60-s1002-in-time.toml")).unwrap();
+    let record = read(&folder("crosscheck").join("uic60-s1002-in-time.json"));
+    let forces = record.in_time.as_ref().unwrap();
+    let history = |run: &RunInTime| History {
+        rows: (run.p_kn.iter().zip(&run.q_kn))
+            .map(|(p, q)| HistoryRow {
+                time: 0.0,
+                vertical_force: p * KILONEWTON,
+                lateral_force: q * KILONEWTON,
+                wheel_y: 0.0,
+                wheel_z: 0.0,
+                load_y: 0.0,
+                energy: None,
+                contacts: Vec::new(),
+            })
+            .collect(),
+        degrees_of_freedom: 0,
+        ending: Ending::Completed,
+    };
+    let runs = ToolRuns { history: history(&forces.runs[0]), longer: history(&forces.runs[1]), seconds: 0.0 };
+    assert_eq!(stale_in_time(&record, &study, Some(&runs)), [""; 0], "fresh");
+    let changed = |change: fn(&mut CrosscheckRecord)| {
+        let mut copy = record.clone();
+        change(&mut copy);
+        let found = stale_in_time(&copy, &study, Some(&runs));
+        assert_eq!(found.len(), 1, "{found:?}");
+        found.into_iter().next().unwrap()
+    };
+    fn forces_of(record: &mut CrosscheckRecord) -> &mut Vec<RunInTime> {
+        &mut record.in_time.as_mut().unwrap().runs
+    }
+    assert!(changed(|r| r.input_hash.replace_range(..1, "x")).contains("study"));
+    assert!(changed(|r| r.reference.package_hash.clear()).contains("reference package"));
+    assert!(changed(|r| forces_of(r)[0].p_kn[170] += 2e-4).starts_with("P of the tool"));
+    assert!(changed(|r| forces_of(r)[1].q_kn[170] += 4e-4).starts_with("Q of the tool"));
+    assert!(changed(|r| forces_of(r)[0].q_kn.truncate(9)).starts_with("Q of the tool"));
+    assert!(changed(|r| forces_of(r).truncate(3)).contains("two runs"));
+    assert!(changed(|r| r.checks[0].difference = 2.0 * r.checks[0].limit).contains("1 of"));
+    assert!(changed(|r| r.holds = false).contains("do not hold"));
 }

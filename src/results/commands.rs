@@ -372,8 +372,7 @@ impl<'a> StudyRun<'a> {
         let keep = keep.map(kept_in).transpose()?;
         let (input, resources) = (InTimeInput::of(self.study)?, self.solids.resources);
         let solvers = Solvers::find(&[], false, &resources)?;
-        let record =
-            self.engine.get(&mut CrosscheckInTime { input, resources, python: &solvers.python })?;
+        let record = self.engine.get(&mut CrosscheckInTime { input, resources, python: &solvers.python })?;
         self.crosschecked(record, keep)
     }
 

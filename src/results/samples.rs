@@ -15,7 +15,7 @@ mod patches;
 mod crosscheck;
 mod measured;
 
-pub(crate) use crate::results::samples::crosscheck::{crosscheck, sections};
+pub(crate) use crate::results::samples::crosscheck::{crosscheck, crosscheck_in_time, sections};
 pub(crate) use crate::results::samples::measured::{bodies, surface};
 pub(crate) use crate::results::samples::patches::patches;
 pub(crate) use crate::results::samples::springs::{by_angle, load_curve, stiffness};

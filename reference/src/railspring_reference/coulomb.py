@@ -16,7 +16,7 @@ SWEEPS_END = 1e-10
 
 
 def contact_forces(compliance: Floats, free: Floats, friction: float, start: Floats) -> Floats:
-    """Forces, N, in the directions normal, across and along, one direction of all nodes after the other.
+    """Forces, N, normal, across and along, one direction of all nodes after the other.
 
     ``compliance``: relative displacements per force, m/N. ``free``: gaps and slips without forces, m. ``start``: forces to
     begin with.
@@ -25,7 +25,7 @@ def contact_forces(compliance: Floats, free: Floats, friction: float, start: Flo
     forces = start.copy()
     forces[:count] = np.maximum(forces[:count], 0.0)
     own = np.diag(compliance)
-    # of the two tangential directions the stiffer way is the safe one
+    # no less than the larger eigenvalue of the two tangential directions, so that no sweep overshoots
     slopes = [max(own[i], own[k]) + abs(compliance[i, k]) for i, k in _tangential(count)]
     change = np.inf
     for _ in range(SWEEPS):

@@ -1,7 +1,7 @@
 """Where a deformed wheel and a deformed rail face each other: gaps, and the nodes that carry the forces there.
 
-Both surfaces are their smooth profiles, moved by the displacements of their nodes, bilinear between these. Every face of
-the wheel has a fixed Gauss rule, whose points are taken to the nearest place on the rail's profile. Forces live on the
+Both surfaces are their smooth profiles, moved by the displacements of their nodes, bilinear between these. Every face
+of the wheel has a fixed Gauss rule, whose points are taken to the nearest place on the rail's profile. Forces live on the
 nodes of the rail.
 """
 

@@ -111,7 +111,8 @@ impl Exchange {
         let answered = |k: usize| {
             let body = body(meshes, k);
             let answer = if k == 0 { &answers.rail } else { &answers.wheel };
-            let columns = answer.columns.iter().map(|&(n, axis)| (body.mesh.contact.nodes[n], axis)).collect();
+            let columns =
+                answer.columns.iter().map(|&(n, axis)| (body.mesh.contact.nodes[n], axis)).collect();
             Body { forces: answer.forces.clone(), columns, ..body }
         };
         Self {

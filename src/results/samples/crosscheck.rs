@@ -1,8 +1,9 @@
 //! Made-up answers of reference solvers.
 
+use crate::results::crosscheck::in_time::compare::{checks, limits};
 use crate::results::crosscheck::record::{
-    Cause, Check, CrosscheckRecord, ExchangedMesh, HUB_DISPLACEMENT, Limit, Provenance, Question,
-    SectionCell, SectionDifference, TANGENT_STIFFNESS, Timing,
+    Cause, Check, CrosscheckRecord, ExchangedMesh, ForcesInTime, HUB_DISPLACEMENT, Limit, Provenance,
+    Question, RunInTime, SectionCell, SectionDifference, TANGENT_STIFFNESS, Timing,
 };
 use crate::results::samples::springs::stiffness;
 
@@ -98,6 +99,25 @@ pub(crate) fn crosscheck() -> CrosscheckRecord {
         timings: timings.into(),
         in_time: None,
     }
+}
+
+/// A load case in time: both programs with two lengths of steps, an impact that the reference sees a little smaller.
+pub(crate) fn crosscheck_in_time() -> CrosscheckRecord {
+    let time_ms: Vec<f64> = (0..=60).map(|n| 0.5 * f64::from(n)).collect();
+    let run = |program: &str, step_us: f64, share: f64| {
+        let p_kn: Vec<f64> =
+            time_ms.iter().map(|t| 34.0 * share * (-0.5 * (t - 16.0) * (t - 16.0)).exp()).collect();
+        let q_kn = p_kn.iter().map(|p| 3.0 * p).collect();
+        RunInTime { program: program.into(), step_us, p_kn, q_kn }
+    };
+    let runs = vec![
+        run("railspring", 12.5, 1.0),
+        run("railspring", 25.0, 1.001),
+        run("scikit-fem 11", 12.5, 0.99),
+        run("scikit-fem 11", 25.0, 0.993),
+    ];
+    let forces = ForcesInTime { case: "constant".into(), time_ms, runs };
+    CrosscheckRecord { checks: checks(&forces), limits: limits(), in_time: Some(forces), ..crosscheck() }
 }
 
 /// A body of 12 by 20 elements with a difference that grows towards a corner.

@@ -7,10 +7,10 @@ use serde::Serialize;
 
 use crate::engine::store::{Address, Kind};
 use crate::hash::key;
+use crate::python::Purpose;
 use crate::results::bodies::estimate::Work;
 use crate::results::bodies::input::{PairInput, SolidsInput};
 use crate::results::crosscheck::input::CrosscheckInput;
-use crate::python::Purpose;
 use crate::study::{Statics, Study};
 
 /// The first load case of a study on both bodies at full order, with a contact between the elements of the meshes.
@@ -36,7 +36,12 @@ impl<'a> InTimeInput<'a> {
     pub fn of(study: &'a Study) -> Result<Self> {
         let first = study.main_scenario.as_ref().and_then(|name| study.scenarios.get_key_value(name));
         let Some((name, own)) = first else {
-            return InputError::refuse("scenario", "none", "a load case for --in-time", "add one to the study");
+            return InputError::refuse(
+                "scenario",
+                "none",
+                "a load case for --in-time",
+                "add one to the study",
+            );
         };
         let case = &own.scenario;
         let inner_steps = match study.solid.inner_steps {
@@ -50,7 +55,8 @@ impl<'a> InTimeInput<'a> {
                 );
             }
         };
-        let input = Self { pair: CrosscheckInput::of(study), name, case, inner_steps, damping: study.damping };
+        let input =
+            Self { pair: CrosscheckInput::of(study), name, case, inner_steps, damping: study.damping };
         input.check().map_err(|error| study.source.in_scenario(name, error.into()))?;
         Ok(input)
     }
@@ -69,10 +75,18 @@ impl<'a> InTimeInput<'a> {
             ));
         }
         if case.speed != 0.0 {
-            return refuse(InputField::Speed, format!("{} m/s", case.speed), "0: the reference's wheel does not roll");
+            return refuse(
+                InputField::Speed,
+                format!("{} m/s", case.speed),
+                "0: the reference's wheel does not roll",
+            );
         }
         if case.rail_torsion.is_some() {
-            return refuse(InputField::RailTorsion, "given".into(), "none: the reference has no torsion of the rail");
+            return refuse(
+                InputField::RailTorsion,
+                "given".into(),
+                "none: the reference has no torsion of the rail",
+            );
         }
         if !case.rotations_held {
             return Err(InputError::new(
@@ -83,7 +97,11 @@ impl<'a> InTimeInput<'a> {
             ));
         }
         if case.start_x.is_some() {
-            return refuse(InputField::StartX, "given".into(), "none: the reference has the wheel at midspan");
+            return refuse(
+                InputField::StartX,
+                "given".into(),
+                "none: the reference has the wheel at midspan",
+            );
         }
         Ok(())
     }
@@ -106,7 +124,11 @@ impl<'a> InTimeInput<'a> {
     /// What it takes.
     pub fn work(&self) -> Work {
         let steps = self.case.steps * self.inner_steps;
-        Work { calibrate: false, solids: vec![(self.name.into(), steps)], reference: Some(Purpose::FirstOrder) }
+        Work {
+            calibrate: false,
+            solids: vec![(self.name.into(), steps)],
+            reference: Some(Purpose::FirstOrder),
+        }
     }
 
     /// Hash of all that the question and the tool's answer depend on.

@@ -51,6 +51,31 @@ fn the_page_is_complete_and_needs_nothing_else() {
     }
 }
 
+/// Goal: a load case in time has its forces and differences in place of the load curves, with the names of both programs, and its limits.
+#[test]
+fn a_load_case_in_time_has_its_figures() {
+    let (record, inputs) = (samples::crosscheck_in_time(), samples::inputs());
+    let html =
+        page(&PageData { description: "", inputs: &inputs, record: &record, sections: &[], report: false });
+    if let Some(folder) = std::env::var_os("RAILSPRING_SAMPLE_REPORT") {
+        let folder = std::path::Path::new(&folder);
+        std::fs::create_dir_all(folder).unwrap();
+        std::fs::write(folder.join("crosscheck-in-time.html"), &html).unwrap();
+    }
+    assert!(!html.contains("figure failed") && !html.contains("NaN"), "{html}");
+    assert_eq!(html.matches("<figure id=").count(), 2);
+    for word in [
+        "Load case constant: vertical (P) and lateral force (Q)",
+        "P, RMS difference over its peak",
+        "Q, RMS change over its peak with steps of the reference twice as long",
+        "schemes of second order",
+        "reference less tool",
+        "steps twice as long",
+    ] {
+        assert!(html.contains(word), "{word}");
+    }
+}
+
 #[test]
 fn differences_and_values_are_readable() {
     let differences = [
