@@ -136,7 +136,9 @@ impl StudyCommand {
             Self::Verify(_) => Action::Verify,
             Self::Mesh(_) => Action::Mesh,
             Self::Report(_) => Action::Report,
-            Self::Crosscheck { in_time: true, keep, .. } => Action::CrosscheckInTime { keep: keep.as_deref() },
+            Self::Crosscheck { in_time: true, keep, .. } => {
+                Action::CrosscheckInTime { keep: keep.as_deref() }
+            }
             Self::Crosscheck { second_order, with, keep, .. } => Action::Crosscheck {
                 second_order: *second_order,
                 with_calculix: with.is_some(),
