@@ -162,7 +162,7 @@ fn bodies_of_another_pair_are_refused() {
     let contact =
         ContactConditions { friction: 0.3, enforcement: Enforcement::Exact, field: ContactField::Elements };
     let pressed = |pair: &Pair| bodies.press(pair, contact, &[20e3, 40e3, 60e3, 80e3], &Silent).map(|_| ());
-    let upright = TrackGeometry { inclination: 0.0, ..track.clone() };
+    let upright = TrackGeometry { inclination: 0.0, ..track };
     let cases = [
         (of("60E1", "EN13715-1in40", 0.858, &track), "wheel-s1002.safetensors (wheel S1002 of 858.0 mm)"),
         (of("60E1", "S1002", 0.86, &track), "mm off its running surface"),
@@ -173,7 +173,7 @@ fn bodies_of_another_pair_are_refused() {
         let said = pressed(pair).unwrap_err().to_string();
         assert!(said.contains(part) && said.contains("a body of this pair"), "{said}");
     }
-    let shifted = of("60E1", "S1002", 0.858, &TrackGeometry { lateral_shift: 2e-3, ..track.clone() });
+    let shifted = of("60E1", "S1002", 0.858, &TrackGeometry { lateral_shift: 2e-3, ..track });
     pressed(&shifted).unwrap();
     own.check_body(PairBody::RailOnFoot, bodies.rail_on_foot.as_ref().unwrap()).unwrap();
     let swapped = own.check_body(PairBody::Wheel, &bodies.rail_on_ends).unwrap_err().to_string();
