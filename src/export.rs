@@ -19,6 +19,7 @@ mod table_rows;
 use std::path::Path;
 
 use format::files;
+use railspring_calibrate::law::Form;
 use railspring_profiles::error::{InputError, Result};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
@@ -30,7 +31,7 @@ use crate::results::springs::record::StiffnessRecord;
 use crate::study::Study;
 use crate::table::TableRecord;
 
-pub use format::Format;
+pub use format::{Format, LawForm};
 pub use spring::ExportFile;
 pub use table_rows::{Condition, ExportRow, index, rows};
 
@@ -65,7 +66,7 @@ impl SpringsFile {
 }
 
 /// The files of a format from the `stiffness.json` at `path`: the law against `reference`, that of the study unless one is
-/// named; `study` is the study of these springs, which [`Format::Gensys`] and [`Format::Contact`] take their profiles from.
+/// named, in the form `law`, that of the format unless one is; `study` is the study of these springs, which [`Format::Gensys`] and [`Format::Contact`] take their profiles from.
 ///
 /// # Errors
 /// [`InputError`] for a reference that the file does not have, a study that is missing or of another pair, and laws by contact angle that
@@ -75,6 +76,7 @@ pub fn of_calibration(
     record: &StiffnessRecord,
     format: Format,
     reference: Option<&str>,
+    law: Option<LawForm>,
     study: Option<&Study>,
 ) -> Result<Vec<ExportFile>> {
     if let Some(study) = study.filter(|study| study.statics().pair_key() != record.pair.hash) {
@@ -86,7 +88,8 @@ pub fn of_calibration(
         )
         .into());
     }
-    let spring = Spring::of_calibration(&path.display().to_string(), record, reference)?;
+    let form = law.map_or(format.usual_form(), Form::from);
+    let spring = Spring::of_calibration(&path.display().to_string(), record, reference, form)?;
     files(&spring, format, study, || Ok(laws_beside(path, record)?.shifts))
 }
 

@@ -19,7 +19,7 @@ pub use zone::{Change, Placed, Places, Zone, distance};
 use crate::contact::{
     BodyCompliance, Compliance, ContactPoint, HalfSpace, PointMode, Side, hub_response, total,
 };
-use crate::law::{LawFit, NormalLaw, TableLaw, fit_law};
+use crate::law::{FormFit, LawFit, Solid, fit_forms, fit_law};
 use faer::Mat;
 use nalgebra::{DVector, Matrix2, Vector2, Vector3};
 use railspring_profiles::error::{Error, InputError, NumericsError, Result, StopReason};
@@ -106,25 +106,13 @@ impl NormalCalibration {
         Ok(Self { reference, points, fit })
     }
 
-    /// The tangents as a table, the alternative to the fitted law.
+    /// Laws of all forms for the points, the fitted one first.
     ///
     /// # Errors
-    /// Those of [`TableLaw::new`].
-    pub fn table(&self) -> Result<TableLaw> {
-        let (forces, tangents): (Vec<f64>, Vec<f64>) =
-            self.points.iter().map(|p| (p.force, p.solid_tangent)).unzip();
-        TableLaw::new(&forces, &tangents)
-    }
-
-    /// Where a `law`, integrated from no load, is farthest from the displacement of the solid: the force, N, and the
-    /// deviation over the displacement of the solid under the largest load.
-    pub fn displacement_deviation(&self, law: &NormalLaw) -> (f64, f64) {
-        let whole = self.points.last().map_or(f64::NAN, |p| p.displacement);
-        let deviation = |p: &LoadPoint| (law.displacement(p.force) - p.displacement).abs() / whole;
-        self.points
-            .iter()
-            .map(|p| (p.force, deviation(p)))
-            .fold((f64::NAN, 0.0), |worst, found| if found.1 <= worst.1 { worst } else { found })
+    /// Those of [`fit_forms`].
+    pub fn forms(&self) -> Result<Vec<FormFit>> {
+        let solid = |p: &LoadPoint| Solid { force: p.force, tangent: p.solid_tangent, displacement: p.displacement };
+        fit_forms(&self.points.iter().map(solid).collect::<Vec<_>>(), self.fit.law)
     }
 }
 

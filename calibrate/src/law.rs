@@ -5,27 +5,30 @@
 //! integration, `δ(f) = ∫ df/k(f)` from 0. A law is usable when a ≥ 0, b ≥ 0,
 //! a + b > 0 and 0 ≤ c < 1; [`StiffnessLaw::new`] checks that.
 
+mod inverse;
 mod power;
 mod points;
+mod exponent;
+mod series;
+mod steps;
 mod table;
 mod normal;
+mod forms;
 
+pub use forms::{Form, FormFit, OffAt, fit_forms};
 pub use normal::NormalLaw;
 pub(crate) use points::LEAST_LOADS;
+pub use points::Solid;
 pub use power::{REFERENCE_FORCE, StiffnessLaw};
+pub use series::{SeriesLaw, fit_series};
+pub use steps::{LEAST_LOADS_OF_STEPS, StepConstants, StepLaw, fit_steps};
 pub use table::TableLaw;
 
-use argmin::core::{CostFunction, Executor};
-use argmin::solver::brent::BrentOpt;
 use nalgebra::{DMatrix, DVector};
 
+use self::exponent::{EXPONENT_RANGE, best_exponent};
 use self::points::check_points;
-use self::power::LARGEST_EXPONENT;
-use railspring_profiles::error::{Error, NumericsError, Result, StopReason};
-
-/// Search interval for the exponent. Hertz has 1/3 and conformal contact less;
-/// at c = 1 a law without a constant part has no finite displacement.
-const EXPONENT_RANGE: (f64, f64) = (0.0, LARGEST_EXPONENT);
+use railspring_profiles::error::Result;
 
 /// The search comes as close to a bound of the exponent.
 const BOUND_TOLERANCE: f64 = 1e-6;
@@ -65,11 +68,11 @@ pub struct LawFit {
 ///
 /// # Errors
 /// [`railspring_profiles::error::InputError`] for lists of different length, fewer than four points, values
-/// that are not positive and finite; [`NumericsError`] if the search fails.
+/// that are not positive and finite; [`railspring_profiles::error::NumericsError`] if the search fails.
 pub fn fit_law(forces: &[f64], tangent_stiffness: &[f64]) -> Result<LawFit> {
     check_points(forces, tangent_stiffness)?;
     let points = Points { forces, stiffness: tangent_stiffness };
-    let c = best_exponent(&points)?;
+    let c = best_exponent(|c| points.sum_of_squares(c), forces.len())?;
     let mut law = points.best_law(c);
     let mut at_bound = [law.a == 0.0, false, c >= EXPONENT_RANGE.1 - BOUND_TOLERANCE];
     if law.b <= 0.0 || c <= EXPONENT_RANGE.0 {
@@ -89,49 +92,10 @@ pub fn fit_law(forces: &[f64], tangent_stiffness: &[f64]) -> Result<LawFit> {
     })
 }
 
-/// The exponent with the smallest sum of squares: a scan that brackets it, then Brent.
-fn best_exponent(points: &Points) -> Result<f64> {
-    const SCAN: usize = 38;
-    let (low, high) = EXPONENT_RANGE;
-    let at = |i: usize| low + (high - low) * i as f64 / SCAN as f64;
-    let best = (0..=SCAN)
-        .min_by(|&i, &j| points.sum_of_squares(at(i)).total_cmp(&points.sum_of_squares(at(j))))
-        .unwrap_or(0);
-    // The smallest reachable tolerance: near an exact law the sum of squares
-    // has no rounding floor, and Brent may go beyond the usual root of epsilon.
-    let solver =
-        BrentOpt::new(at(best.saturating_sub(1)), at((best + 1).min(SCAN))).set_tolerance(1e-12, 1e-13);
-    let failure = |iteration, residual| {
-        Error::from(
-            NumericsError::new("law fit", StopReason::NotFinite, residual, points.forces.len())
-                .after(iteration),
-        )
-    };
-    let search = Executor::new(points.clone(), solver)
-        .configure(|state| state.max_iters(200))
-        .run()
-        .map_err(|_| failure(0, f64::NAN))?;
-    let state = search.state();
-    match state.best_param {
-        Some(c) if state.best_cost.is_finite() => Ok(c),
-        _ => Err(failure(state.iter as usize, state.best_cost)),
-    }
-}
-
 /// Points to fit, and the sums of the fit at a given exponent.
-#[derive(Clone)]
 struct Points<'a> {
     forces: &'a [f64],
     stiffness: &'a [f64],
-}
-
-impl CostFunction for Points<'_> {
-    type Param = f64;
-    type Output = f64;
-
-    fn cost(&self, c: &f64) -> std::result::Result<f64, argmin::core::Error> {
-        Ok(self.sum_of_squares(*c))
-    }
 }
 
 impl Points<'_> {

@@ -9,7 +9,7 @@ use super::failure::Failure;
 use super::output::{remark, say};
 use super::set_args::SetArgs;
 use crate::engine::output::OutputFolder;
-use crate::export::{Condition, ExportFile, ExportRow, Format, SpringsFile, index, of_calibration, rows};
+use crate::export::{Condition, ExportFile, ExportRow, Format, LawForm, SpringsFile, index, of_calibration, rows};
 use crate::results::springs::record::StiffnessRecord;
 use crate::study::Study;
 use crate::table::{Table, TableRecord};
@@ -33,6 +33,9 @@ pub(super) struct ExportArgs {
     /// What the law's displacement is measured against: beam, local or foot; left out, as in the study
     #[arg(long, value_name = "REFERENCE")]
     reference: Option<String>,
+    /// The form of the law; left out, `table`, but `power` for stem and rose
+    #[arg(long, value_name = "FORM")]
+    law: Option<LawForm>,
     /// The study of the springs, or the table of the rows, for formats with profiles
     #[arg(long, value_name = "STUDY")]
     study: Option<PathBuf>,
@@ -80,7 +83,7 @@ pub(super) fn export(args: &ExportArgs) -> Result<bool, Failure> {
 fn of_study(args: &ExportArgs, record: &StiffnessRecord) -> Result<bool, Failure> {
     let set = args.set.settings();
     let study = args.study.as_deref().map(|study| Study::read_with(study, set)).transpose()?;
-    let files = of_calibration(&args.file, record, args.format, args.reference.as_deref(), study.as_ref())?;
+    let files = of_calibration(&args.file, record, args.format, args.reference.as_deref(), args.law, study.as_ref())?;
     Ok(write(&files, args.output.as_deref()).map(|()| true)?)
 }
 
@@ -88,7 +91,9 @@ fn of_table(args: &ExportArgs, table: &TableRecord<'static>) -> Result<bool, Fai
     let file = args.file.display().to_string();
     let rows = rows(&file, table, &args.conditions)?;
     let source = args.study.as_deref().map(Table::read).transpose()?;
-    let files = |row: &ExportRow<'_>| row.files(args.format, args.reference.as_deref(), source.as_ref());
+    let files = |row: &ExportRow<'_>| {
+        row.files(args.format, args.reference.as_deref(), args.law, source.as_ref())
+    };
     if let [row] = &rows[..] {
         return Ok(write(&files(row)?, args.output.as_deref()).map(|()| true)?);
     }

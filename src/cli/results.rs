@@ -64,6 +64,9 @@ struct Springs {
     reference: String,
     #[serde(flatten)]
     law: LawRecord,
+    /// What the published form is worth, and which form holds best.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    forms: Option<String>,
     horizontal_kn_per_m: Option<f64>,
     /// Smallest and largest preload of the horizontal stiffness.
     horizontal_range_kn: Option<[f64; 2]>,
@@ -242,6 +245,7 @@ impl Springs {
         Self {
             reference: stiffness.reference.clone(),
             law: stiffness.law,
+            forms: stiffness.forms_in_a_line(),
             horizontal_kn_per_m: stiffness.horizontal_kn_per_m,
             horizontal_range_kn: ends.map(|(first, last)| [first.preload_kn, last.preload_kn]),
             error_band: band.map(|band| Band {
@@ -284,6 +288,7 @@ impl Springs {
                 percent(law.max_rel_error)
             )),
         ];
+        lines.extend(self.forms.iter().map(|forms| heading("forms", forms.clone())));
         let range = self.horizontal_range_kn.map_or_else(String::new, |[least, most]| {
             format!(", mean under sticking from {least} to {most} kN")
         });

@@ -2,12 +2,12 @@
 
 use std::fmt::Write as _;
 
-use railspring_calibrate::law::REFERENCE_FORCE;
+use railspring_calibrate::law::{NormalLaw, REFERENCE_FORCE, StepConstants};
 use railspring_profiles::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE};
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::points::Points;
-use super::spring::{ExportFile, Spring, commented};
+use super::spring::{ExportFile, Spring, commented, form_of};
 use crate::engine::output::to_json;
 
 const COMPRESSION: &str = "displacement and force are positive in compression";
@@ -54,14 +54,20 @@ pub(super) fn matlab(spring: &Spring) -> ExportFile {
     let [low, high] = spring.range;
     let horizontal =
         spring.horizontal_kn_per_m.map_or("NaN".into(), |k| format!("{:.9e}", k * KILONEWTON_PER_METRE));
+    text += "function s = wheel_rail_spring()\n";
+    for (name, value) in constants(&spring.law) {
+        let value = match value {
+            Value::String(text) => format!("'{text}'"),
+            Value::Array(values) => format!("[{}]", values.iter().map(Value::to_string).collect::<Vec<_>>().join(" ")),
+            Value::Null => "Inf".into(),
+            value => value.to_string(),
+        };
+        let _ = writeln!(text, "    s.{name} = {value};");
+    }
     let _ = write!(
         text,
-        "function s = wheel_rail_spring()\n    s.a_n_per_m = {:e};\n    s.b_n_per_m = {:e};\n    s.c = {};\n    \
-         s.f0_n = {REFERENCE_FORCE};\n    s.range_n = [{low} {high}];\n    s.horizontal_n_per_m = {horizontal};\n    \
+        "    s.range_n = [{low} {high}];\n    s.horizontal_n_per_m = {horizontal};\n    \
          s.displacement_m = [{}];\n    s.force_n = [{}];\nend\n",
-        spring.law.a,
-        spring.law.b,
-        spring.law.c,
         column(0),
         column(1)
     );
@@ -93,6 +99,9 @@ pub(super) fn as_json(spring: &Spring) -> ExportFile {
     let column = |column: usize| -> Vec<f64> { points.points.iter().map(|point| point[column]).collect() };
     let solid = &spring.points;
     let [of, name] = &spring.source;
+    let mut law: serde_json::Map<String, Value> =
+        constants(&spring.law).into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
+    law.insert("range_n".into(), json!(spring.range));
     let value = json!({
         "comment": spring.heading("Contact spring of a wheel on a rail, JSON", &own),
         "program": "railspring",
@@ -101,13 +110,7 @@ pub(super) fn as_json(spring: &Spring) -> ExportFile {
         "pair": spring.pair,
         "reference": spring.reference,
         "direction": spring.direction,
-        "law": {
-            "a_n_per_m": spring.law.a,
-            "b_n_per_m": spring.law.b,
-            "c": spring.law.c,
-            "f0_n": REFERENCE_FORCE,
-            "range_n": spring.range,
-        },
+        "law": law,
         "points": { "displacement_m": column(0), "force_n": column(1), "max_rel_error": points.error },
         "solid": {
             "force_n": solid.iter().map(|p| p.force_kn * KILONEWTON).collect::<Vec<_>>(),
@@ -118,4 +121,41 @@ pub(super) fn as_json(spring: &Spring) -> ExportFile {
     });
     let text = String::from_utf8(to_json(&value)).expect("JSON is UTF-8");
     ExportFile { name: "wheel_rail_spring.json".into(), text }
+}
+
+/// The form of a law and its constants in N and m, by name; the spring in series of one that has none is null.
+fn constants(law: &NormalLaw) -> Vec<(&'static str, Value)> {
+    let mut all = vec![("form", json!(form_of(law).name()))];
+    all.extend(match law {
+        NormalLaw::Power(law) => {
+            vec![("a_n_per_m", json!(law.a)), ("b_n_per_m", json!(law.b)), ("c", json!(law.c)), ("f0_n", json!(REFERENCE_FORCE))]
+        }
+        NormalLaw::Series(law) => vec![
+            ("b_n_per_m", json!(law.b())),
+            ("c", json!(law.c())),
+            ("f0_n", json!(REFERENCE_FORCE)),
+            ("s_n_per_m", json!(law.s())),
+        ],
+        NormalLaw::Steps(law) => {
+            let StepConstants { b, c, step_force, sharpness, rise, exponent_above } = law.constants();
+            vec![
+                ("b_n_per_m", json!(b)),
+                ("c", json!(c)),
+                ("f0_n", json!(REFERENCE_FORCE)),
+                ("f1_n", json!(step_force)),
+                ("p", json!(sharpness)),
+                ("d", json!(rise)),
+                ("e", json!(exponent_above)),
+            ]
+        }
+        NormalLaw::Table(law) => {
+            let (forces, tangents): (Vec<f64>, Vec<f64>) = law.knots().unzip();
+            vec![
+                ("table_force_n", json!(forces)),
+                ("table_tangent_n_per_m", json!(tangents)),
+                ("exponent_below", json!(law.exponent_below())),
+            ]
+        }
+    });
+    all
 }

@@ -1,6 +1,7 @@
 //! The forms that springs are written in, and the files of each.
 
 use clap::ValueEnum;
+use railspring_calibrate::law::Form;
 use railspring_profiles::error::Result;
 
 use super::spring::{ExportFile, Spring};
@@ -35,6 +36,40 @@ pub enum Format {
     Modelica,
     /// The law, its points and those of the solid model as JSON
     Json,
+}
+
+/// The form of the law that is exported.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum LawForm {
+    /// a + b·(f/f0)^c, the published form
+    Power,
+    /// A power and a linear spring in series
+    Series,
+    /// Two powers with a step of the stiffness between
+    Steps,
+    /// The tangents of the solid model themselves
+    Table,
+}
+
+impl From<LawForm> for Form {
+    fn from(form: LawForm) -> Self {
+        match form {
+            LawForm::Power => Self::Power,
+            LawForm::Series => Self::Series,
+            LawForm::Steps => Self::Steps,
+            LawForm::Table => Self::Table,
+        }
+    }
+}
+
+impl Format {
+    /// The form of the law where none is named: a power for what takes nothing else, else the table, which has the solid model's own tangents.
+    pub fn usual_form(self) -> Form {
+        match self {
+            Self::Stem | Self::Rose => Form::Power,
+            _ => Form::Table,
+        }
+    }
 }
 
 /// The files of a format; `by_angle` has the laws by contact angle.

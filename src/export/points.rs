@@ -1,6 +1,6 @@
 //! The law as points for programs that interpolate in a straight line: as many as the error needs.
 
-use railspring_calibrate::law::StiffnessLaw;
+use railspring_calibrate::law::NormalLaw;
 
 use super::spring::Spring;
 
@@ -74,7 +74,7 @@ fn next_below(upper: f64, good: impl Fn(f64) -> bool) -> f64 {
 
 /// Largest deviation in force of the straight line between the law's points at two forces, over the force, at least over
 /// `floor`: near no load no straight line keeps to a share of the force.
-fn deviation(law: &StiffnessLaw, from: f64, to: f64, floor: f64) -> f64 {
+fn deviation(law: &NormalLaw, from: f64, to: f64, floor: f64) -> f64 {
     let [begin, end] = [from, to].map(|force| law.displacement(force));
     (1..SAMPLES)
         .map(|i| {

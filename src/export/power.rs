@@ -7,7 +7,7 @@
 
 use std::fmt::Write as _;
 
-use railspring_calibrate::law::{REFERENCE_FORCE, StiffnessLaw};
+use railspring_calibrate::law::{NormalLaw, REFERENCE_FORCE, StiffnessLaw};
 
 use super::spring::{ExportFile, Spring, commented};
 
@@ -22,8 +22,7 @@ struct PowerLaw {
 
 impl PowerLaw {
     fn of(spring: &Spring) -> Self {
-        let StiffnessLaw { a, b, c } = spring.law;
-        if a == 0.0 {
+        if let NormalLaw::Power(StiffnessLaw { a: 0.0, b, c }) = spring.law {
             let rest = 1.0 - c;
             return Self { coefficient: REFERENCE_FORCE.powf(c) / (b * rest), power: 1.0 / rest };
         }
@@ -74,12 +73,12 @@ pub(super) fn rose(spring: &Spring) -> ExportFile {
 fn file(spring: &Spring, program: &str, name: &str, keys: [&str; 2]) -> ExportFile {
     let law = PowerLaw::of(spring);
     let [low, high] = spring.range;
-    let of_law = if spring.law.a == 0.0 {
+    let of_law = if matches!(spring.law, NormalLaw::Power(StiffnessLaw { a: 0.0, .. })) {
         "the law's own power and coefficient in closed form: it has no constant part".into()
     } else {
         let [force, tangent] = law.errors(spring);
         format!(
-            "best power for a law with a constant part: from {low} to {high} N the force is within {:.2} %, the tangent within \
+            "best power for a law that is none: from {low} to {high} N the force is within {:.2} %, the tangent within \
              {:.2} % of the law",
             1e2 * force,
             1e2 * tangent

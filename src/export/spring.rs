@@ -1,11 +1,13 @@
 //! The law that is exported, and what has to be said about it in every file.
 
 use railspring_calibrate::calibration::Reference;
-use railspring_calibrate::law::{REFERENCE_FORCE, StiffnessLaw};
+use railspring_calibrate::law::{Form, NormalLaw, REFERENCE_FORCE, StepConstants, StiffnessLaw};
 use railspring_profiles::error::{InputError, Result};
 use railspring_profiles::units::KILONEWTON;
 
+use crate::results::springs::form::{FormRecord, NormalLawRecord};
 use crate::results::springs::record::{LawRecord, StiffnessRecord, TangentRecord};
+use crate::rounding::significant;
 use crate::table::document::DirectionKey;
 
 /// A file to be written.
@@ -29,11 +31,11 @@ pub(super) struct Spring {
     pub direction: DirectionKey,
     /// What the displacement is measured against.
     pub reference: String,
-    pub law: StiffnessLaw,
+    pub law: NormalLaw,
     /// Smallest and largest load of the fit, N.
     pub range: [f64; 2],
-    /// Largest relative deviations of the law from the solid model: of the tangent, and of the displacement over that of the largest load.
-    pub errors: [f64; 2],
+    /// Largest relative deviations of the law from the solid model at a load, tangent and displacement, in words; and from which load on both are small.
+    pub worth: [String; 2],
     /// Error bands of the solid model, relative: of the displacement and of the tangent.
     pub band: Option<[f64; 2]>,
     /// What else a heading says, a line each.
@@ -53,7 +55,12 @@ impl Spring {
     ///
     /// # Errors
     /// [`InputError`] for a reference that the file does not have, and for constants or a range that are none.
-    pub fn of_calibration(file: &str, record: &StiffnessRecord, reference: Option<&str>) -> Result<Self> {
+    pub fn of_calibration(
+        file: &str,
+        record: &StiffnessRecord,
+        reference: Option<&str>,
+        form: Form,
+    ) -> Result<Self> {
         let StiffnessRecord { study, pair, input_hash, version, references, .. } = record;
         let wanted = reference.unwrap_or(&record.reference);
         let of = |wanted: &str| references.iter().find(|found| found.reference == wanted);
@@ -61,6 +68,7 @@ impl Spring {
             let there = references.iter().map(|found| found.reference.as_str());
             no_reference(file, wanted, there, "calibrate with calibration.foot_held = true for \"foot\"")
         })?;
+        let of_form = found.form(form).ok_or_else(|| no_form(file, form))?;
         let band = record.error_band.as_ref().and_then(|band| band.of(wanted));
         Ok(Self {
             source: ["study".into(), study.clone()],
@@ -72,9 +80,9 @@ impl Spring {
             ),
             direction: DirectionKey::Vertical,
             reference: wanted.into(),
-            law: StiffnessLaw::try_from(found.law.constants)?,
+            law: NormalLaw::try_from(&of_form.law)?,
             range: range(file, &found.law, "calibrate")?,
-            errors: [found.law.max_rel_error, found.displacement.max_rel_error],
+            worth: worth(of_form),
             band: band.and_then(|band| Some([band.displacement?, band.tangent?])),
             remarks: record.shortened(),
             points: found.points.clone(),
@@ -99,7 +107,6 @@ impl Spring {
     pub fn heading(&self, what: &str, own: &[String]) -> Vec<String> {
         // as the file has them, without what the way through newtons adds in the last digit
         let [low, high] = self.range.map(|load| (load / KILONEWTON * 1e9).round() / 1e9);
-        let StiffnessLaw { a, b, c } = self.law;
         let against = match self.reference.as_str() {
             "beam" => {
                 "the hub against the rail's section at the contact: one spring in series with a beam for the rail"
@@ -115,21 +122,17 @@ impl Spring {
                 "; force and displacement along the contact normal, the hub held across it"
             }
         };
-        let [of_tangent, of_displacement] = self.errors.map(|error| 1e2 * error);
+        let [largest, from] = &self.worth;
         let mut lines = vec![
             format!("{what}, by railspring {}", env!("CARGO_PKG_VERSION")),
             self.made.clone(),
             format!("reference {}: {against}{along}", self.reference),
-            format!(
-                "law: k(F) = dF/dx = a + b (F/f0)^c, a = {a:e} N/m, b = {b:e} N/m, c = {c}, f0 = {REFERENCE_FORCE} N"
-            ),
+            format!("law ({}): {}", form_of(&self.law).name(), formula(&self.law)),
             format!(
                 "range: fitted from {low} to {high} kN; below, the law goes on to no load; above {high} kN there is none"
             ),
-            format!(
-                "the law against the solid model: tangent within {of_tangent:.2} %, displacement within {of_displacement:.2} % of the \
-                 largest"
-            ),
+            format!("the law against the solid model, each over its value at the load: largest off {largest}"),
+            from.clone(),
         ];
         if let Some([displacement, tangent]) = self.band {
             lines.push(format!(
@@ -143,6 +146,62 @@ impl Spring {
         lines.push("left out: tension (a wheel lifts off), friction, damping and mass".into());
         lines.iter().map(|line| plain(line)).collect()
     }
+}
+
+/// The form of a law.
+pub(super) fn form_of(law: &NormalLaw) -> Form {
+    NormalLawRecord::from(law).form()
+}
+
+/// A law in N and m, F the force and x the displacement.
+fn formula(law: &NormalLaw) -> String {
+    let f0 = format!("f0 = {REFERENCE_FORCE} N");
+    match law {
+        NormalLaw::Power(StiffnessLaw { a, b, c }) => {
+            format!("k(F) = dF/dx = a + b (F/f0)^c, a = {a:e} N/m, b = {b:e} N/m, c = {c}, {f0}")
+        }
+        NormalLaw::Series(law) => {
+            let power = format!("b = {:e} N/m, c = {}, {f0}", law.b(), law.c());
+            match law.s() {
+                Some(s) => format!("dx/dF = 1/(b (F/f0)^c) + 1/s, {power}, s = {s:e} N/m"),
+                None => format!("k(F) = dF/dx = b (F/f0)^c, {power}"),
+            }
+        }
+        NormalLaw::Steps(law) => {
+            let StepConstants { b, c, step_force, sharpness, rise, exponent_above } = law.constants();
+            format!(
+                "k(F) = dF/dx = b (F/f0)^c (1 + t)^((e - c)/p) (1 + d t/(1 + t)) with t = (F/f1)^p, b = {b:e} N/m, c = {c}, {f0}, \
+                 f1 = {step_force} N, p = {sharpness}, d = {rise}, e = {exponent_above}"
+            )
+        }
+        NormalLaw::Table(law) => format!(
+            "{} tangents of the solid model, ln k over ln F a monotone cubic between them, a power {} below the first",
+            law.knots().count(),
+            significant(law.exponent_below(), 4)
+        ),
+    }
+}
+
+/// What a law is worth: its largest errors, and from which load on they are small.
+pub(super) fn worth(of: &FormRecord) -> [String; 2] {
+    /// What is small: the smallest limits that a law keeps somewhere are named.
+    const NAMED: usize = 2;
+    let kept = of.within.iter().filter_map(|within| {
+        let percent = significant(1e2 * within.limit, 1);
+        Some(format!("{percent} % from {} kN on", significant(of.holds_from(within.limit)?, 3)))
+    });
+    let kept: Vec<String> = kept.take(NAMED).collect();
+    let from = match kept.is_empty() {
+        true => "tangent and displacement are within none of the limits that are looked for at the largest load".into(),
+        false => format!("tangent and displacement both within {}", kept.join(", ")),
+    };
+    [of.worth(), from]
+}
+
+/// The error for a form that a law of `file` does not have.
+pub(super) fn no_form(file: &str, form: Form) -> InputError {
+    let expected = format!("a form that {file} has; \"steps\" needs eight loads");
+    InputError::new("--law", format!("{:?}", form.name()), expected, "take \"table\", or calibrate at more loads")
 }
 
 /// The error for a `wanted` reference that `file` does not have.

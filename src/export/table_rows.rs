@@ -4,12 +4,12 @@ use std::collections::BTreeSet;
 use std::iter::once;
 
 use railspring_calibrate::calibration::Reference;
-use railspring_calibrate::law::StiffnessLaw;
+use railspring_calibrate::law::{Form, NormalLaw};
 use railspring_profiles::error::{InputError, Result};
 use railspring_profiles::units::MILLIMETRE;
 
-use super::format::{Format, files};
-use super::spring::{ExportFile, Spring, no_reference, range};
+use super::format::{Format, LawForm, files};
+use super::spring::{ExportFile, Spring, no_form, no_reference, range, worth};
 use crate::engine::columns::csv_of_texts;
 use crate::results::by_angle::record::FixedLoadRecord;
 use crate::results::by_angle::record::ShiftRecord;
@@ -167,13 +167,15 @@ impl ExportRow<'_> {
         &self,
         format: Format,
         reference: Option<&str>,
+        law: Option<LawForm>,
         source: Option<&Table>,
     ) -> Result<Vec<ExportFile>> {
         let study = source.map(|table| self.study(table)).transpose()?;
-        files(&self.spring(reference)?, format, study.as_ref(), || self.by_angle())
+        let form = law.map_or(format.usual_form(), Form::from);
+        files(&self.spring(reference, form)?, format, study.as_ref(), || self.by_angle())
     }
 
-    fn spring(&self, reference: Option<&str>) -> Result<Spring> {
+    fn spring(&self, reference: Option<&str>, form: Form) -> Result<Spring> {
         let Self { file, table, case, place, number, .. } = self;
         let place_of = format!("{file}: row {number}");
         let at = &place.record.at;
@@ -195,6 +197,7 @@ impl ExportRow<'_> {
             let remedy = "make the table with calibration.foot_held = true for \"foot\"";
             return Err(no_reference(&place_of, &wanted, there, remedy).into());
         };
+        let of_form = found.form(form).ok_or_else(|| no_form(&place_of, form))?;
         let band = at.error_band.as_ref().and_then(|band| band.of(&wanted));
         let short = |hash: &String| hash.get(..12).unwrap_or(hash).to_owned();
         let [wheel, rail, settings] = case.inputs.each_ref().map(short);
@@ -207,9 +210,9 @@ impl ExportRow<'_> {
             ),
             pair,
             direction: table.table.direction,
-            law: StiffnessLaw::try_from(found.law.constants)?,
+            law: NormalLaw::try_from(&of_form.law)?,
             range: range(&place_of, &found.law, "table")?,
-            errors: [found.law.max_rel_error, found.displacement.max_rel_error],
+            worth: worth(of_form),
             band: band.and_then(|band| Some([band.displacement?, band.tangent?])),
             remarks: self.remarks(),
             points: points(at, &wanted),

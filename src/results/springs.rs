@@ -1,6 +1,7 @@
 //! The springs of a study: laws, horizontal stiffness, their error bands and what was assumed.
 
 pub mod law;
+pub mod form;
 pub mod band_record;
 pub mod assumed_record;
 pub mod record;
@@ -9,4 +10,5 @@ pub mod make;
 pub mod error_band;
 pub mod assumed;
 pub mod figures;
+pub mod forms_figure;
 pub mod stage;

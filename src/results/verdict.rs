@@ -4,5 +4,6 @@ pub mod record;
 pub mod input;
 pub mod tables;
 pub mod reasons;
+pub mod law_lines;
 pub mod judged;
 pub mod stage;

@@ -15,6 +15,7 @@ mod solid;
 use std::collections::BTreeMap;
 
 use railspring_calibrate::calibration::Reference;
+use railspring_calibrate::law::Form;
 use railspring_profiles::field::InputField;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -407,12 +408,29 @@ impl Default for SimulationKeys {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum LawKey {
-    /// The law that the study calibrates, with the reference of `calibration.reference`.
+    /// The law that the study calibrates in the published form, `a + b·(f/f0)^c`, with the reference of `calibration.reference`.
     Calibrated,
-    /// The tangents of the calibration as a monotone table, which follows a contact that no power does.
+    /// The same calibration as a power and a linear spring in series.
+    Series,
+    /// The same as two powers with a step of the stiffness between, for a contact that begins to bear in a wider or in a second region.
+    Steps,
+    /// The same as a monotone table of its tangents, which follows a contact that no formula does.
     Table,
     /// The published constants (30000 kN/m, 294000 kN/m, 0.241104).
     Published,
+}
+
+impl LawKey {
+    /// The form of the calibrated law that it takes; none of the published constants.
+    pub fn form(self) -> Option<Form> {
+        match self {
+            Self::Calibrated => Some(Form::Power),
+            Self::Series => Some(Form::Series),
+            Self::Steps => Some(Form::Steps),
+            Self::Table => Some(Form::Table),
+            Self::Published => None,
+        }
+    }
 }
 
 /// In which respect a law may be another's.

@@ -13,6 +13,7 @@ use super::making::PlaceRecord;
 use super::places::Place;
 use crate::engine::columns::{Cell, csv_of_texts};
 use crate::results::by_angle::record::AngleLawRecord;
+use railspring_calibrate::law::Form;
 
 /// Columns that say which place a row is of; the varied keys come after them.
 pub const IDENTITY: [&str; 9] = [
@@ -191,7 +192,7 @@ impl Row {
         self.put("to_kn", law.map(|law| law.range_kn[1]));
         self.put("law_rms_rel_error", law.map(|law| law.rms_rel_error));
         self.put("law_max_rel_error", law.map(|law| law.max_rel_error));
-        self.put("displacement_max_rel_error", in_use.map(|entry| entry.displacement.max_rel_error));
+        self.put("displacement_max_rel_error", in_use.and_then(|entry| entry.form(Form::Power)).map(|of| of.displacement.max_rel_error));
     }
 
     fn load(&mut self, case: &Case, record: &PlaceRecord, loads: &[f64], load_kn: f64) {

@@ -90,9 +90,11 @@ limits! {
         "Drift of the energy balance, largest of both models over the largest energy stored"
             + "what contacts that open or close within a step add or take; empty cells of a run have none";
     law_max: f64 = 0.15, [0.0, 1e6], Consistency in "1",
-        "Law against the solid's tangent stiffness, largest relative difference";
+        "Law against the solid's tangent stiffness at the same load, largest relative difference"
+            + "at the loads that the load cases use; of a table, between its loads";
     law_displacement: f64 = 0.03, [0.0, 1e6], Consistency in "1",
-        "Integrated law against the solid's displacement, largest deviation of all references over the largest displacement";
+        "Integrated law against the solid's displacement at the same load, largest relative difference"
+            + "at the loads that the load cases use; of the condensed element over the displacement under the largest load";
     hub_compliance: f64 = 0.03, [0.0, 1e6], Verification in "1",
         "Flexibility of the condensed element's hub against the solid, largest difference over shifts and loads"
             + "lateral and vertical over that of the solid, their coupling over the geometric mean of both";

@@ -53,11 +53,11 @@ fn a_row_is_the_spring_of_its_study() {
         export_of(root, &[&arguments[..], more].concat())
     };
     for reference in ["beam", "local"] {
-        let of_row = [&SECOND[..], &["--reference", reference]].concat();
+        let of_row = [&SECOND[..], &["--law", "power", "--reference", reference]].concat();
         let row: Value =
             serde_json::from_str(&text(&export("out/table.json", "json", &of_row), "wheel_rail_spring.json"))
                 .unwrap();
-        let one = export("one/stiffness.json", "json", &["--reference", reference]);
+        let one = export("one/stiffness.json", "json", &["--law", "power", "--reference", reference]);
         let one: Value = serde_json::from_str(&text(&one, "wheel_rail_spring.json")).unwrap();
         let same = |a: &Value, b: &Value| {
             let [a, b] = [a, b].map(|value| value.as_f64().unwrap());

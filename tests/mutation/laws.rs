@@ -4,6 +4,7 @@
 use std::path::Path;
 
 use railspring::results::bodies::geometry::{Geometry, geometry};
+use railspring::results::springs::form::NormalLawRecord;
 use railspring::results::run::input::SpringsInput;
 use railspring::results::run::record::SpringsRecord;
 use railspring::results::run::springs;
@@ -89,11 +90,12 @@ fn misread(record: &SpringsRecord, text: &str) -> Option<String> {
         Err(cause) => return Some(format!("no JSON without doubled keys, {cause}")),
     };
     let constants = file.get("law").unwrap_or(&file);
+    let NormalLawRecord::Power(law) = &record.law else { return Some("another form than the file's".into()) };
     let read = [
-        (constants, "a_kn_per_m", record.law.a_kn_per_m),
-        (constants, "b_kn_per_m", record.law.b_kn_per_m),
-        (constants, "c", record.law.c),
-        (constants, "f0_kn", record.law.f0_kn),
+        (constants, "a_kn_per_m", law.a_kn_per_m),
+        (constants, "b_kn_per_m", law.b_kn_per_m),
+        (constants, "c", law.c),
+        (constants, "f0_kn", law.f0_kn),
         (&file, "horizontal_kn_per_m", record.horizontal_kn_per_m),
     ];
     for (place, key, value) in read {
@@ -101,11 +103,11 @@ fn misread(record: &SpringsRecord, text: &str) -> Option<String> {
             return Some(format!("{key} = {:?} was read as {value}", place.get(key)));
         }
     }
-    let is_law = record.law.a_kn_per_m >= 0.0
-        && record.law.b_kn_per_m >= 0.0
-        && record.law.a_kn_per_m + record.law.b_kn_per_m > 0.0
-        && (0.0..1.0).contains(&record.law.c)
-        && record.law.f0_kn > 0.0
+    let is_law = law.a_kn_per_m >= 0.0
+        && law.b_kn_per_m >= 0.0
+        && law.a_kn_per_m + law.b_kn_per_m > 0.0
+        && (0.0..1.0).contains(&law.c)
+        && law.f0_kn > 0.0
         && record.horizontal_kn_per_m > 0.0
         && record.wheel_mass_kg > 0.0;
     if !is_law {
@@ -116,7 +118,7 @@ fn misread(record: &SpringsRecord, text: &str) -> Option<String> {
     const ROUNDOFF: f64 = 1e-12;
     let force = 85.0;
     let tangent =
-        record.law.a_kn_per_m + record.law.b_kn_per_m * (force / record.law.f0_kn).powf(record.law.c);
+        law.a_kn_per_m + law.b_kn_per_m * (force / law.f0_kn).powf(law.c);
     let run = si.normal.tangent(force * 1e3) * 1e-3;
     ((run / tangent - 1.0).abs() > ROUNDOFF || !run.is_finite())
         .then(|| format!("k(85 kN) {run} for {tangent} kN/m"))

@@ -1,15 +1,20 @@
-//! A normal law of either kind, as a spring takes it.
+//! A normal law of any form, as a spring takes it.
 
 use super::power::StiffnessLaw;
+use super::series::SeriesLaw;
+use super::steps::StepLaw;
 use super::table::TableLaw;
 use railspring_profiles::error::Result;
-use railspring_profiles::quadrature::gauss_2_on;
 
-/// Tangent stiffness against force: the power law or a table.
+/// Tangent stiffness against force.
 #[derive(Debug, Clone, PartialEq)]
 pub enum NormalLaw {
     /// `k(f) = a + b·(f/f0)^c`.
     Power(StiffnessLaw),
+    /// A power and a linear spring in series.
+    Series(SeriesLaw),
+    /// Two powers with a step between.
+    Steps(StepLaw),
     /// By knots.
     Table(TableLaw),
 }
@@ -17,6 +22,18 @@ pub enum NormalLaw {
 impl From<StiffnessLaw> for NormalLaw {
     fn from(law: StiffnessLaw) -> Self {
         Self::Power(law)
+    }
+}
+
+impl From<SeriesLaw> for NormalLaw {
+    fn from(law: SeriesLaw) -> Self {
+        Self::Series(law)
+    }
+}
+
+impl From<StepLaw> for NormalLaw {
+    fn from(law: StepLaw) -> Self {
+        Self::Steps(law)
     }
 }
 
@@ -34,7 +51,7 @@ impl NormalLaw {
     pub fn check(&self) -> Result<()> {
         match *self {
             Self::Power(StiffnessLaw { a, b, c }) => StiffnessLaw::new(a, b, c).map(drop),
-            Self::Table(_) => Ok(()),
+            Self::Series(_) | Self::Steps(_) | Self::Table(_) => Ok(()),
         }
     }
 
@@ -42,6 +59,8 @@ impl NormalLaw {
     pub fn tangent(&self, force: f64) -> f64 {
         match self {
             Self::Power(law) => law.tangent(force),
+            Self::Series(law) => law.tangent(force),
+            Self::Steps(law) => law.tangent(force),
             Self::Table(law) => law.tangent(force),
         }
     }
@@ -50,6 +69,8 @@ impl NormalLaw {
     pub fn displacement(&self, force: f64) -> f64 {
         match self {
             Self::Power(law) => law.displacement(force),
+            Self::Series(law) => law.displacement(force),
+            Self::Steps(law) => law.displacement(force),
             Self::Table(law) => law.displacement(force),
         }
     }
@@ -58,25 +79,19 @@ impl NormalLaw {
     pub fn energy(&self, force: f64) -> f64 {
         match self {
             Self::Power(law) => law.energy(law.displacement(force)),
-            Self::Table(law) if force > 0.0 => {
-                // the displacement is smooth between knots, and panels are many
-                const PANELS: usize = 64;
-                let panel = |n: usize| {
-                    let end = |n: usize| force * n as f64 / PANELS as f64;
-                    let (points, half) = gauss_2_on(end(n), end(n + 1));
-                    half * points.into_iter().map(|f| law.displacement(f)).sum::<f64>()
-                };
-                force * law.displacement(force) - (0..PANELS).map(panel).sum::<f64>()
-            }
-            Self::Table(_) => 0.0,
+            Self::Series(law) => law.energy(force),
+            Self::Steps(law) => law.energy(force),
+            Self::Table(law) => law.energy(force),
         }
     }
 
-    /// Force, N, at `displacement` (m), with a `guess` (N) of it that a power law starts from; 0 for a displacement of zero
+    /// Force, N, at `displacement` (m), with a `guess` (N) of it that the search starts from, but for a table; 0 for a displacement of zero
     /// or below.
     pub fn force_from(&self, displacement: f64, guess: f64) -> f64 {
         match self {
             Self::Power(law) => law.force_from(displacement, guess),
+            Self::Series(law) => law.force_from(displacement, guess),
+            Self::Steps(law) => law.force_from(displacement, guess),
             Self::Table(law) => law.force(displacement),
         }
     }

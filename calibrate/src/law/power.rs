@@ -1,5 +1,6 @@
 //! The power law of the normal stiffness: tangent, displacement, force and energy.
 
+use super::inverse::force_at;
 use railspring_profiles::error::{InputError, Result};
 use railspring_profiles::quadrature::GAUSS_12;
 
@@ -92,24 +93,8 @@ impl StiffnessLaw {
 
     /// As [`Self::force`], starting the iteration from a `guess` (N) of the force.
     pub fn force_from(&self, displacement: f64, guess: f64) -> f64 {
-        if displacement.is_nan() {
-            return f64::NAN;
-        }
-        if displacement <= 0.0 {
-            return 0.0;
-        }
-        let mut force = if guess > 0.0 { guess } else { f64::MIN_POSITIVE.max(self.a * displacement) };
-        for _ in 0..100 {
-            let step = self.tangent(force) * (displacement - self.displacement(force));
-            // From above a tangent may undershoot to below zero: halve instead.
-            let next = (force + step).max(0.5 * force);
-            let change = (next - force).abs();
-            force = next;
-            if change <= INVERSE_TOLERANCE * force {
-                break;
-            }
-        }
-        force
+        let guess = if guess > 0.0 { guess } else { f64::MIN_POSITIVE.max(self.a * displacement) };
+        force_at(displacement, guess, |force| (self.displacement(force), self.tangent(force)))
     }
 
     /// Energy stored at `displacement` (m), J: `∫ f dδ = ∫ f df/k`.

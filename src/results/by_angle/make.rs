@@ -28,7 +28,7 @@ use crate::results::by_angle::record::{
 use crate::results::springs::band_record::ErrorBandRecord;
 use crate::results::springs::error_band::band_record;
 use crate::results::springs::make::{
-    MICROMETRE_PER_KILONEWTON, contact_conditions, displacement_record, law_record, subsurface_values,
+    MICROMETRE_PER_KILONEWTON, contact_conditions, form_records, law_record, subsurface_values,
 };
 use crate::results::springs::record::StiffnessRecord;
 use crate::study::{Statics, with_keys};
@@ -163,11 +163,15 @@ fn shift_record(
 ) -> ShiftRecord {
     let shift_mm = shift / MILLIMETRE;
     let touch = touch.map(touch_record);
-    match law {
-        Ok(AngleLaw { laws, fixed, ended }) => ShiftRecord {
+    let entries = |law: AngleLaw| {
+        let laws = law.laws.iter().map(|(_, law)| law_entry(law)).collect::<Result<Vec<_>>>()?;
+        Ok((laws, law))
+    };
+    match law.and_then(entries) {
+        Ok((laws, AngleLaw { fixed, ended, .. })) => ShiftRecord {
             shift_mm,
             touch,
-            laws: laws.iter().map(|(_, law)| law_entry(law)).collect(),
+            laws,
             published_secant_ratio: published_secant_ratio(&fixed),
             loads: fixed.iter().map(load_record).collect(),
             error_band,
@@ -241,12 +245,12 @@ fn touch_record(TouchPoint { touch, on_rail, on_wheel, .. }: TouchPoint) -> Shif
     }
 }
 
-fn law_entry(calibration: &NormalCalibration) -> AngleLawRecord {
-    AngleLawRecord {
+fn law_entry(calibration: &NormalCalibration) -> Result<AngleLawRecord> {
+    Ok(AngleLawRecord {
         reference: calibration.reference.name().into(),
         law: law_record(&calibration.fit),
-        displacement: displacement_record(calibration, &calibration.fit.law.into()),
-    }
+        forms: form_records(calibration)?,
+    })
 }
 
 /// Where the displacement of the condensed element's hub is farthest from the solid's.

@@ -1,12 +1,14 @@
 //! `stiffness_by_angle.json` and `stiffness_by_angle.csv`: the laws of the pair with the wheel in several places across the track.
 
+use railspring_calibrate::law::Form;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::engine::seal::Sealed;
 use crate::results::by_angle::element::ElementRecord;
 use crate::results::springs::band_record::{BandPointRecord, ErrorBandRecord};
-use crate::results::springs::record::{DisplacementRecord, LawRecord};
+use crate::results::springs::form::FormRecord;
+use crate::results::springs::record::LawRecord;
 use crate::study::PairRecord;
 
 /// Name of the file with the laws by contact angle.
@@ -92,8 +94,15 @@ pub struct AngleLawRecord {
     pub reference: String,
     /// The law.
     pub law: LawRecord,
-    /// The law, integrated, against the displacement of the solid.
-    pub displacement: DisplacementRecord,
+    /// Laws of all forms for the same loads, that one first.
+    pub forms: Vec<FormRecord>,
+}
+
+impl AngleLawRecord {
+    /// Its law of a form.
+    pub fn form(&self, form: Form) -> Option<&FormRecord> {
+        self.forms.iter().find(|found| found.law.form() == form)
+    }
 }
 
 /// The solid under a fixed load.

@@ -16,7 +16,7 @@ use crate::results::crosscheck;
 use crate::results::patches::{self, section_figure};
 use crate::results::run::figures::ScenarioRun;
 use crate::results::run::{figures as figures_of_run, positions_figure};
-use crate::results::springs::figures;
+use crate::results::springs::{figures, forms_figure};
 use crate::results::verdict::tables;
 
 /// The page and its figures.
@@ -35,6 +35,7 @@ pub fn build(data: &ReportData<'_>) -> Report {
     let mut collected = Collector::default();
     let mut springs = vec![
         collected.add("law", figures::law(&stiffness), tables::law_caption(&stiffness)),
+        collected.add("forms", forms_figure::errors(&stiffness), forms_figure::caption(&stiffness)),
         collected.add(
             "displacement",
             figures::displacement(&stiffness),
@@ -101,6 +102,7 @@ pub fn build(data: &ReportData<'_>) -> Report {
             "inputs": tables::grouped(data.inputs),
             "stiffness": stiffness,
             "springs": springs,
+            "forms": forms_figure::table(&stiffness),
             "horizontal": first_screen::horizontal(&stiffness),
             "shortened": stiffness.shortened(),
             "worth": tables::worth(&stiffness),

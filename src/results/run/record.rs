@@ -10,7 +10,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::results::by_angle::element::{ElementRecord, HubDeviationRecord};
-use crate::results::springs::law::LawConstants;
+use crate::results::springs::form::NormalLawRecord;
 use crate::results::springs::record::BeamFactors;
 use crate::rounding::significant;
 use crate::verify::{ModelChange, ModelRun, Spread, StepChange, Worth};
@@ -205,10 +205,7 @@ pub struct SpringsRecord {
     pub source: SpringsSource,
     /// The normal law.
     #[serde(flatten)]
-    pub law: LawConstants,
-    /// Forces, kN, and tangent stiffness, kN/m, of the table that takes the place of the constants.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub table_kn_and_kn_per_m: Vec<[f64; 2]>,
+    pub law: NormalLawRecord,
     /// Horizontal stiffness, kN/m.
     pub horizontal_kn_per_m: f64,
     /// Mass of the solid wheel, which scenarios without a wheel mass take, kg.

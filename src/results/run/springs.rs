@@ -5,6 +5,7 @@ mod accepted;
 mod contact_element;
 mod of_study;
 mod in_si;
+mod written;
 mod file;
 
 use railspring_profiles::units::KILONEWTON;

@@ -1,5 +1,8 @@
 //! Made-up springs: the calibration and the laws by contact angle.
 
+use railspring_calibrate::law::{Solid, StiffnessLaw, fit_forms};
+use railspring_profiles::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE};
+
 use crate::results::bodies::record::{
     BodyMeshRecord, FindingRecord, GroupRecord, NamedRecord, ProfileRecord,
 };
@@ -11,11 +14,11 @@ use crate::results::by_angle::record::{
 use crate::results::springs::band_record::{
     BandPointRecord, ErrorBandRecord, HorizontalBandRecord, ReferenceBandRecord,
 };
+use crate::results::springs::form::FormRecord;
 use crate::results::springs::law::LawConstants;
 use crate::results::springs::record::{
-    BeamFactors, BeamRecord, BoundRecord, ComplianceRecord, DisplacementRecord, HorizontalPointRecord,
-    HorizontalRecord, LawRecord, LoadCurveRow, PenaltyRecord, ReferenceRecord, StiffnessRecord, TableRecord,
-    TangentRecord,
+    BeamFactors, BeamRecord, BoundRecord, ComplianceRecord, HorizontalPointRecord, HorizontalRecord,
+    LawRecord, LoadCurveRow, PenaltyRecord, ReferenceRecord, StiffnessRecord, TangentRecord,
 };
 use crate::study::PairRecord;
 
@@ -39,7 +42,7 @@ fn loads() -> Vec<f64> {
 fn reference(name: &str, law: LawRecord) -> ReferenceRecord {
     let mut displacement = 0.0;
     let mut before = 0.0;
-    let points = loads()
+    let points: Vec<TangentRecord> = loads()
         .into_iter()
         .enumerate()
         .map(|(n, force_kn)| {
@@ -49,9 +52,20 @@ fn reference(name: &str, law: LawRecord) -> ReferenceRecord {
             TangentRecord { force_kn, displacement_mm: displacement, tangent_kn_per_m }
         })
         .collect();
-    let displacement = DisplacementRecord { max_rel_error: 0.012, force_kn: 20.0 };
-    let table = TableRecord { max_rel_error: Some(0.02), max_rel_displacement: Some(0.001), displacement };
-    ReferenceRecord { reference: name.into(), law, displacement, table, points }
+    let forms = forms(&law.constants, &points);
+    ReferenceRecord { reference: name.into(), law, forms, points }
+}
+
+/// Laws of all forms of points.
+fn forms(constants: &LawConstants, points: &[TangentRecord]) -> Vec<FormRecord> {
+    let solid = |p: &TangentRecord| Solid {
+        force: p.force_kn * KILONEWTON,
+        tangent: p.tangent_kn_per_m * KILONEWTON_PER_METRE,
+        displacement: p.displacement_mm * MILLIMETRE,
+    };
+    let solid: Vec<Solid> = points.iter().map(solid).collect();
+    let power = StiffnessLaw::try_from(*constants).expect("the constants are a law");
+    fit_forms(&solid, power).expect("the points have laws").iter().map(FormRecord::from).collect()
 }
 
 /// Bands of the three references at the loads, wider at small loads.
@@ -247,7 +261,7 @@ pub(crate) fn by_angle() -> StiffnessByAngleRecord {
         let entry = |reference: &ReferenceRecord| AngleLawRecord {
             reference: reference.reference.clone(),
             law: reference.law,
-            displacement: reference.displacement,
+            forms: reference.forms.clone(),
         };
         sample.references.iter().map(entry).collect::<Vec<_>>()
     };

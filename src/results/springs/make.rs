@@ -8,7 +8,7 @@ use railspring_calibrate::calibration::{
     HorizontalCalibration, LoadPoint, NormalCalibration, Pressed, Reference,
 };
 use railspring_calibrate::contact::{Peak, Subsurface};
-use railspring_calibrate::law::{LawFit, NormalLaw};
+use railspring_calibrate::law::LawFit;
 use railspring_calibrate::mesh::{HexMesh, quality};
 use railspring_calibrate::pair::{CondensedPair, ContactConditions, Laws, PairBody, PairStates, SeriesBeam};
 use railspring_calibrate::superelement::CondensedBody;
@@ -28,11 +28,11 @@ use crate::results::bodies::touch::{HertzRecord, TouchRecord};
 use crate::results::patches::make::{below_record, chosen, patch_record};
 use crate::results::patches::record::PatchesRecord;
 use crate::results::springs::fields::{FieldFile, PressedSolids, field_files};
+use crate::results::springs::form::FormRecord;
 use crate::results::springs::law::LawConstants;
 use crate::results::springs::record::{
-    BeamRecord, BoundRecord, ComplianceRecord, DisplacementRecord, HorizontalPointRecord, HorizontalRecord,
-    LawRecord, LoadCurveRow, LoadEndRecord, PenaltyRecord, ReferenceRecord, StiffnessRecord,
-    SubsurfaceRecord, TableRecord, TangentRecord,
+    BeamRecord, BoundRecord, ComplianceRecord, HorizontalPointRecord, HorizontalRecord, LawRecord,
+    LoadCurveRow, LoadEndRecord, PenaltyRecord, ReferenceRecord, StiffnessRecord, SubsurfaceRecord, TangentRecord,
 };
 use crate::rounding::significant;
 use crate::study::{EnforcementKey, MeshFile, OutputKeys, Statics};
@@ -313,23 +313,16 @@ pub(crate) fn law_record(fit: &LawFit) -> LawRecord {
     }
 }
 
-pub(crate) fn displacement_record(calibration: &NormalCalibration, law: &NormalLaw) -> DisplacementRecord {
-    let (force, deviation) = calibration.displacement_deviation(law);
-    DisplacementRecord { max_rel_error: deviation, force_kn: force / KILONEWTON }
+/// Laws of all forms for a calibration.
+pub(crate) fn form_records(calibration: &NormalCalibration) -> Result<Vec<FormRecord>> {
+    Ok(calibration.forms()?.iter().map(FormRecord::from).collect())
 }
 
 fn reference_record(calibration: &NormalCalibration) -> Result<ReferenceRecord> {
-    let table = calibration.table()?;
-    let left_out = table.left_out();
     Ok(ReferenceRecord {
         reference: calibration.reference.name().into(),
         law: law_record(&calibration.fit),
-        displacement: displacement_record(calibration, &calibration.fit.law.into()),
-        table: TableRecord {
-            max_rel_error: left_out.map(|[tangent, _]| tangent),
-            max_rel_displacement: left_out.map(|[_, displacement]| displacement),
-            displacement: displacement_record(calibration, &table.into()),
-        },
+        forms: form_records(calibration)?,
         points: calibration.points.iter().map(tangent_record).collect(),
     })
 }

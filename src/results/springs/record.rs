@@ -2,11 +2,13 @@
 //! report and to later commands, in the units that the files name.
 
 use railspring_calibrate::beam::BeamCorrection;
+use railspring_calibrate::law::Form;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::assumed_record::AssumedRecord;
 use super::band_record::{ErrorBandRecord, HorizontalBandRecord};
+use super::form::{FormRecord, best_of_forms};
 use super::law::LawConstants;
 use crate::engine::seal::Sealed;
 use crate::results::bodies::record::{BodyMeshRecord, ProfileRecord};
@@ -153,12 +155,16 @@ impl StiffnessRecord {
         lines
     }
 
-    /// Forces, kN, and tangent stiffness, kN/m, of the reference in use.
-    pub fn table(&self) -> Vec<[f64; 2]> {
-        let in_use = self.references.iter().find(|found| found.reference == self.reference);
-        in_use.map_or_else(Vec::new, |found| {
-            found.points.iter().map(|p| [p.force_kn, p.tangent_kn_per_m]).collect()
-        })
+    /// The law of a form against the reference in use.
+    pub fn form(&self, form: Form) -> Option<&FormRecord> {
+        let in_use = self.references.iter().find(|found| found.reference == self.reference)?;
+        in_use.form(form)
+    }
+
+    /// What the published form is worth, and which form holds best, in a line.
+    pub fn forms_in_a_line(&self) -> Option<String> {
+        let in_use = self.references.iter().find(|found| found.reference == self.reference)?;
+        best_of_forms(&in_use.forms)
     }
 }
 
@@ -205,32 +211,17 @@ pub struct ReferenceRecord {
     pub reference: String,
     /// The law.
     pub law: LawRecord,
-    /// The law, integrated, against the displacement of the solid.
-    pub displacement: DisplacementRecord,
-    /// What the points are worth as a table.
-    pub table: TableRecord,
+    /// Laws of all forms for the same points, that one first: `power`, `series`, `steps` (from eight loads on) and `table`.
+    pub forms: Vec<FormRecord>,
     /// The solid's own values, load by load.
     pub points: Vec<TangentRecord>,
 }
 
-/// The points of a reference as a monotone table, the alternative to the law.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct TableRecord {
-    /// Largest relative deviation of the tangent at a load from the table of the other loads; none for four loads.
-    pub max_rel_error: Option<f64>,
-    /// The same of the displacement, over that of the largest load.
-    pub max_rel_displacement: Option<f64>,
-    /// The table, integrated, against the displacement of the solid.
-    pub displacement: DisplacementRecord,
-}
-
-/// Where the integrated law is farthest from the displacement of the solid.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct DisplacementRecord {
-    /// Largest deviation over the displacement of the solid under the largest load.
-    pub max_rel_error: f64,
-    /// Load of that deviation, kN.
-    pub force_kn: f64,
+impl ReferenceRecord {
+    /// Its law of a form.
+    pub fn form(&self, form: Form) -> Option<&FormRecord> {
+        self.forms.iter().find(|found| found.law.form() == form)
+    }
 }
 
 /// The rail as the beam of the moving solver, at midspan at the point of the first touch; flexibilities in µm/kN.

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use crate::engine::store::{Address, Kind};
-use crate::study::{Study, StudyScenario, Wheel};
+use crate::study::{LawKey, Study, StudyScenario, Wheel};
 use crate::verify::Limits;
 
 /// Limits, and whose they are.
@@ -24,6 +24,8 @@ pub struct VerdictInput<'a> {
     /// Name of the load case whose histories have the plain file names.
     #[serde(skip)]
     pub main_case: Option<&'a str>,
+    /// Which normal law the study's springs run with.
+    pub law: LawKey,
     /// Whether there are laws by contact angle.
     #[serde(skip)]
     pub wants_by_angle: bool,
@@ -38,6 +40,7 @@ impl<'a> VerdictInput<'a> {
             wheel: &study.wheel,
             cases: &study.scenarios,
             main_case: study.main_scenario.as_deref(),
+            law: study.simulation.law,
             wants_by_angle: study.wants_by_angle(),
         }
     }

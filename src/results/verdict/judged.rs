@@ -3,8 +3,10 @@
 use crate::results::by_angle::record::ShiftRecord;
 use crate::results::by_angle::record::StiffnessByAngleRecord;
 use crate::results::run::stage::Runs;
+use crate::results::springs::form::OffRecord;
 use crate::results::springs::record::StiffnessRecord;
 use crate::results::verdict::input::VerdictInput;
+use crate::results::verdict::law_lines::in_use;
 use crate::results::verdict::record::{ScenarioVerdict, VerdictOn, VerdictSubject, VerificationRecord};
 use crate::rounding::{significant, with_unit};
 use crate::verify::{Line, touches_with_flange};
@@ -39,7 +41,8 @@ impl Judging<'_> {
             VerdictSubject::Springs => (&record.calibration, self.loads_of_law()),
         };
         // the law has loads for which it holds, and says so instead of failing as a whole
-        let failing = worst(statics.iter().filter(|line| line.quantity != "law_max"));
+        let of_law = |line: &&Line| on == VerdictSubject::Springs && line.quantity.starts_with("law_");
+        let failing = worst(statics.iter().filter(|line| !of_law(line)));
         match (failing, loads) {
             (Some(line), _) => not_for.push(format!("static loads: {}", reason(line))),
             (None, Some(loads)) => holds_for.push(format!("static loads {loads}")),
@@ -62,16 +65,15 @@ impl Judging<'_> {
         Some(VerdictOn { on, hold, hold_by_solid, fail, holds_for, not_for })
     }
 
-    /// The loads at which the law follows the solid's tangents within its limit, if there are some: the longest row of them.
+    /// The loads at which the law in use follows tangent and displacement of the solid within their limits, if there are some: the longest row
+    /// of them.
     fn loads_of_law(&self) -> Option<String> {
-        let stiffness = self.stiffness?;
-        let in_use = stiffness.references.iter().find(|found| found.reference == stiffness.reference)?;
-        let limit = self.input.limits.law_max;
-        let follows: Vec<bool> = in_use
-            .points
-            .iter()
-            .map(|p| (stiffness.law.constants.tangent(p.force_kn) / p.tangent_kn_per_m - 1.0).abs() <= limit)
-            .collect();
+        let form = in_use(self.input, self.stiffness?)?;
+        let (tangent, displacement) = (self.input.limits.law_max, self.input.limits.law_displacement);
+        let within = |at: &OffRecord| {
+            at.tangent.is_none_or(|off| off.abs() <= tangent) && at.displacement.abs() <= displacement
+        };
+        let follows: Vec<bool> = form.off.iter().map(within).collect();
         let mut at = 0;
         let rows = follows.chunk_by(|a, b| a == b).map(|row| {
             at += row.len();
@@ -81,8 +83,8 @@ impl Judging<'_> {
             rows.filter(|(follows, ..)| *follows).max_by_key(|(_, first, last)| last - first)?;
         Some(format!(
             "from {} to {} kN",
-            significant(in_use.points[first].force_kn, 3),
-            significant(in_use.points[last].force_kn, 3)
+            significant(form.off[first].force_kn, 3),
+            significant(form.off[last].force_kn, 3)
         ))
     }
 

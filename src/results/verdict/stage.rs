@@ -17,6 +17,7 @@ use crate::results::run::stage::{Run, Runs, SIMPLE, SOLID, history_files, of_ele
 use crate::results::springs::record::StiffnessRecord;
 use crate::results::verdict::input::VerdictInput;
 use crate::results::verdict::judged::{Judging, hub_deviations, place};
+use crate::results::verdict::law_lines::{law_lines, loads_used};
 use crate::results::verdict::record::{
     ElementDifferences, ElementVerdict, ScenarioVerdict, VerdictSubject, VerificationRecord,
 };
@@ -95,7 +96,9 @@ impl Stage for Verify<'_> {
             decides: if all_condensed { VerdictSubject::Element } else { VerdictSubject::Springs },
             verdicts: Vec::new(),
             changed_limits: input.limits.changed(),
-            calibration: self.stiffness.map_or_else(Vec::new, |record| calibration_lines(input, record)),
+            calibration: self
+                .stiffness
+                .map_or_else(Vec::new, |record| calibration_lines(input, record, loads_used(self.runs))),
             statics: self
                 .stiffness
                 .zip(self.by_angle.filter(|laws| laws.element.is_some()))
@@ -203,7 +206,11 @@ fn loads_line(stiffness: &StiffnessRecord) -> Line {
 }
 
 /// Lines of the verdict on the springs themselves.
-fn calibration_lines(input: &VerdictInput<'_>, stiffness: &StiffnessRecord) -> Vec<Line> {
+fn calibration_lines(
+    input: &VerdictInput<'_>,
+    stiffness: &StiffnessRecord,
+    used: Option<[f64; 2]>,
+) -> Vec<Line> {
     /// Load at which the published law is compared, kN.
     const COMPARED_AT_KN: f64 = 85.0;
     let limits = input.limits;
@@ -213,11 +220,11 @@ fn calibration_lines(input: &VerdictInput<'_>, stiffness: &StiffnessRecord) -> V
         let difference = (foot.law.constants.tangent(COMPARED_AT_KN) / published - 1.0).abs();
         published_line(input.wheel, limits.published_stiffness().line(Some(difference)))
     });
-    let of_law = stiffness.references.iter().map(|r| r.displacement.max_rel_error).max_by(f64::total_cmp);
+    let [tangent, displacement] = law_lines(input, stiffness, used);
     let lines = [
         loads_line(stiffness),
-        limits.law_max().line(Some(stiffness.law.max_rel_error)),
-        limits.law_displacement().line(of_law),
+        tangent,
+        displacement,
         limits.beam_missing().line(Some(stiffness.beam.missing)),
         limits.horizontal_spread().line(stiffness.horizontal.as_ref().map(|h| h.relative_spread)),
     ];

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use railspring_calibrate::law::Form;
 use railspring_profiles::error::{InputError, Result};
 use railspring_profiles::units::KILONEWTON_PER_METRE;
 use railspring_simulate::element::condensed::parts::PairElement;
@@ -18,24 +19,12 @@ use crate::results::run::record::{SpringsRecord, SpringsSource};
 use crate::results::run::springs::accepted::{ACCEPTED, accepted_reference};
 use crate::results::run::springs::contact_element::with_element;
 use crate::results::run::springs::in_si::springs;
-use crate::results::run::springs::of_study::{own, own_springs, revolved_mass, wheel_is_known};
-use crate::results::springs::law::LawConstants;
+use crate::results::run::springs::of_study::{
+    law_of_form, own, own_springs, revolved_mass, wheel_is_known,
+};
+use crate::results::run::springs::written::{WrittenLaw, given};
 use crate::results::springs::record::{BeamFactors, StiffnessRecord};
 use crate::study::{ContactElementKey, LawAcceptedKey, LawKey, PairRecord};
-
-/// A law as a person writes it: the constants and units of `stiffness.json`, and what is known about them.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct WrittenLaw {
-    a_kn_per_m: Option<f64>,
-    b_kn_per_m: Option<f64>,
-    c: Option<f64>,
-    f0_kn: Option<f64>,
-    horizontal_kn_per_m: Option<f64>,
-    wheel_mass_kg: Option<f64>,
-    reference: Option<String>,
-    range_kn: Option<[f64; 2]>,
-}
 
 /// What is taken of a `stiffness.json`; it has much more.
 #[derive(Debug, Deserialize)]
@@ -82,8 +71,8 @@ pub fn from_file(input: &SpringsInput<'_>, geometry: &Geometry, path: &Path) -> 
             f0_kn: file.law.f0_kn,
             range_kn: file.law.range_kn,
             horizontal_kn_per_m: file.horizontal_kn_per_m,
-            wheel_mass_kg: None,
             reference: file.reference,
+            ..WrittenLaw::default()
         };
         (law, file.pair)
     } else {
@@ -118,15 +107,20 @@ pub fn from_file(input: &SpringsInput<'_>, geometry: &Geometry, path: &Path) -> 
             ..springs
         });
     }
-    if input.simulation.law == LawKey::Table {
-        return Err(InputError::new(
-            "simulation.law",
-            "\"table\"",
-            "\"calibrated\" beside --law: a file of another calibration gives its constants",
-            "remove simulation.law or the option --law",
-        )
-        .into());
-    }
+    let form = input.simulation.law.form().filter(|form| *form != Form::Power);
+    let normal = match (form, &calibration) {
+        (None, _) => law.law(&name)?,
+        (Some(form), Some(calibration)) => law_of_form(calibration, form)?,
+        (Some(form), None) => {
+            return Err(InputError::new(
+                "simulation.law",
+                format!("{:?}", form.name()),
+                "\"calibrated\" beside a law that is written by hand: the file says its form",
+                "remove simulation.law or the option --law",
+            )
+            .into());
+        }
+    };
     let mut notes = Vec::new();
     notes.extend(accepted_reference(input, &format!("{name}: reference"), law.reference.as_deref())?);
     notes.extend(accepted_pair(input, &name, pair.as_ref())?);
@@ -144,13 +138,7 @@ pub fn from_file(input: &SpringsInput<'_>, geometry: &Geometry, path: &Path) -> 
     notes.extend(without_laws);
     let record = SpringsRecord {
         source: SpringsSource::File { name: name.clone(), blake3: hash(text.as_bytes()) },
-        law: LawConstants {
-            a_kn_per_m: given(&name, "a_kn_per_m", law.a_kn_per_m)?,
-            b_kn_per_m: given(&name, "b_kn_per_m", law.b_kn_per_m)?,
-            c: given(&name, "c", law.c)?,
-            f0_kn: given(&name, "f0_kn", law.f0_kn)?,
-        },
-        table_kn_and_kn_per_m: Vec::new(),
+        law: normal,
         horizontal_kn_per_m: match input.simulation.horizontal {
             Some(horizontal) => horizontal / KILONEWTON_PER_METRE,
             None => given(&name, "horizontal_kn_per_m", law.horizontal_kn_per_m)?,
@@ -263,33 +251,14 @@ fn parsed<T: DeserializeOwned>(name: &str, text: &str) -> Result<T> {
     })
 }
 
-fn given(name: &str, key: &str, value: Option<f64>) -> Result<f64> {
-    value.ok_or_else(|| {
-        InputError::new(format!("{name}: {key}"), "(missing)", "a number", "add the key to the file").into()
-    })
-}
-
-/// Constants that are a law: k is positive and does not fall, and its displacement is finite.
+/// Springs that can be run with.
 fn check(name: &str, record: &SpringsRecord) -> Result<()> {
-    let law = &record.law;
     let wrong = |key: &str, value: String, expected: &str| {
         InputError::new(format!("{name}: {key}"), value, expected, "correct the file")
     };
     let positive = |key: &str, value: f64| {
         if value > 0.0 { Ok(()) } else { Err(wrong(key, value.to_string(), "a number above 0")) }
     };
-    for (key, value) in [("a_kn_per_m", law.a_kn_per_m), ("b_kn_per_m", law.b_kn_per_m)] {
-        if !(value >= 0.0) {
-            return Err(wrong(key, value.to_string(), "a number of at least 0").into());
-        }
-    }
-    if !(0.0..1.0).contains(&law.c) {
-        return Err(wrong("c", law.c.to_string(), "a number from 0 to below 1").into());
-    }
-    if law.a_kn_per_m + law.b_kn_per_m == 0.0 {
-        return Err(wrong("b_kn_per_m", "0".into(), "a number above 0, because a_kn_per_m is 0").into());
-    }
-    positive("f0_kn", law.f0_kn)?;
     positive("horizontal_kn_per_m", record.horizontal_kn_per_m)?;
     positive("wheel_mass_kg", record.wheel_mass_kg)?;
     if let Some([low, high]) = record.range_kn

@@ -1,6 +1,6 @@
 //! The springs of a study without a law from a file: those that it has calibrated, or the published ones.
 
-use railspring_calibrate::law::StiffnessLaw;
+use railspring_calibrate::law::{Form, StiffnessLaw};
 use railspring_profiles::error::{InputError, Result};
 use railspring_profiles::section::body_of_revolution;
 use railspring_profiles::units::KILONEWTON_PER_METRE;
@@ -11,6 +11,7 @@ use crate::results::run::input::SpringsInput;
 use crate::results::run::record::{SpringsRecord, SpringsSource};
 use crate::results::run::springs::accepted::accepted_reference;
 use crate::results::run::springs::contact_element::with_element;
+use crate::results::springs::form::NormalLawRecord;
 use crate::results::springs::record::{BeamFactors, StiffnessRecord};
 use crate::study::{ContactElementKey, LawKey};
 
@@ -44,8 +45,7 @@ pub fn own(
 fn published(horizontal_kn_per_m: f64, wheel_mass_kg: f64, beam: BeamFactors) -> SpringsRecord {
     SpringsRecord {
         source: SpringsSource::Published,
-        law: StiffnessLaw::published().into(),
-        table_kn_and_kn_per_m: Vec::new(),
+        law: NormalLawRecord::Power(StiffnessLaw::published().into()),
         horizontal_kn_per_m,
         wheel_mass_kg,
         reference: None,
@@ -90,6 +90,23 @@ pub(super) fn revolved_mass(input: &SpringsInput<'_>, geometry: &Geometry) -> f6
     body_of_revolution(&geometry.pair.wheel, input.statics.wheel.material.density).mass
 }
 
+/// The law of a form of a calibration against its reference in use.
+///
+/// # Errors
+/// [`InputError`] with key `simulation.law` for a form that it does not have.
+pub(super) fn law_of_form(stiffness: &StiffnessRecord, form: Form) -> Result<NormalLawRecord> {
+    if let Some(found) = stiffness.form(form) {
+        return Ok(found.law.clone());
+    }
+    Err(InputError::new(
+        "simulation.law",
+        format!("{:?}", form.name()),
+        "a form that the calibration has; \"steps\" needs eight loads",
+        "calibrate at more loads (calibration.load_count), or take \"table\"",
+    )
+    .into())
+}
+
 pub(super) fn own_springs(input: &SpringsInput<'_>, stiffness: &StiffnessRecord) -> Result<SpringsRecord> {
     let horizontal = input.simulation.horizontal.map(|k| k / KILONEWTON_PER_METRE);
     let horizontal_kn_per_m = horizontal.or(stiffness.horizontal_kn_per_m).ok_or_else(|| {
@@ -100,20 +117,15 @@ pub(super) fn own_springs(input: &SpringsInput<'_>, stiffness: &StiffnessRecord)
             format!("give it; {}", stiffness.horizontal_missing.as_deref().unwrap_or("or calibrate again")),
         )
     })?;
-    let table = match input.simulation.law {
-        LawKey::Published => {
-            return Ok(published(horizontal_kn_per_m, stiffness.wheel_mass(), stiffness.beam.factors));
-        }
-        LawKey::Table => stiffness.table(),
-        LawKey::Calibrated => Vec::new(),
+    let Some(form) = input.simulation.law.form() else {
+        return Ok(published(horizontal_kn_per_m, stiffness.wheel_mass(), stiffness.beam.factors));
     };
     let note = accepted_reference(input, "calibration.reference", Some(&stiffness.reference))?;
-    let by_table =
-        (!table.is_empty()).then(|| format!("the law is the table of {} calibrated tangents", table.len()));
+    let law = law_of_form(stiffness, form)?;
+    let of_form = (form != Form::Power).then(|| format!("the law has the form `{}`: {}", form.name(), law.formula(4)));
     Ok(SpringsRecord {
         source: SpringsSource::Calibrated,
-        law: stiffness.law.constants,
-        table_kn_and_kn_per_m: table,
+        law,
         horizontal_kn_per_m,
         wheel_mass_kg: stiffness.wheel_mass(),
         reference: Some(stiffness.reference.clone()),
@@ -122,6 +134,6 @@ pub(super) fn own_springs(input: &SpringsInput<'_>, stiffness: &StiffnessRecord)
         element_blake3: None,
         element_displacement: None,
         element: None,
-        notes: note.into_iter().chain(by_table).collect(),
+        notes: note.into_iter().chain(of_form).collect(),
     })
 }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use railspring_calibrate::law::StiffnessLaw;
+use railspring_calibrate::law::{Form, NormalLaw, StiffnessLaw};
 use railspring_profiles::error::Result;
 use railspring_simulate::time::history::{ContactMode, ContactState, Ending, HistoryRow};
 
@@ -16,6 +16,7 @@ use crate::results::by_angle::record::{BY_ANGLE, StiffnessByAngleRecord};
 use crate::results::run::input::SpringsInput;
 use crate::results::run::record::SpringsSource;
 use crate::results::samples;
+use crate::results::springs::form::NormalLawRecord;
 use crate::results::springs::record::{BeamRecord, StiffnessRecord};
 use crate::study::Study;
 
@@ -66,7 +67,7 @@ fn published_springs_need_no_calibration() {
     assert!(need_no_calibration(&SpringsInput::of(&own)));
     let geometry = geometry::geometry(own.statics()).unwrap();
     let springs = without_calibration(&SpringsInput::of(&own), &geometry).unwrap();
-    assert_eq!(springs.law, StiffnessLaw::published().into());
+    assert_eq!(springs.law, NormalLawRecord::Power(StiffnessLaw::published().into()));
     assert!((springs.horizontal_kn_per_m / 65_000.0 - 1.0).abs() < ROUNDOFF);
     assert_eq!(springs.wheel_mass_kg, revolved_mass(&SpringsInput::of(&own), &geometry));
     assert!(springs.notes.iter().any(|note| note.contains("nothing is calibrated")), "{:?}", springs.notes);
@@ -178,11 +179,15 @@ fn a_table_has_the_tangents_of_the_calibration() {
     assert!(
         own(&SpringsInput::of(&study("[simulation]\nelement = \"published\"\n")), &record, None)
             .unwrap()
-            .table_kn_and_kn_per_m
-            .is_empty()
+            .law
+            == NormalLawRecord::Power(record.law.constants)
     );
     let said = refusal(&with, LAW);
     assert!(said.contains("simulation.law = \"table\""), "{said}");
+    let accepting = study("[simulation]\nlaw = \"table\"\nlaw_accepted = [\"another-pair\"]\n");
+    let of_file = read(&accepting, &serde_json::to_string(&record).unwrap()).unwrap();
+    let table = record.form(Form::Table).unwrap();
+    assert_eq!(of_file.law, table.law, "a file of another calibration has its table as well");
 }
 
 /// Goal: a law written by hand is taken, and the result says what is unknown about it; wrong ones name the key and what it needs.
@@ -213,7 +218,8 @@ fn a_law_written_by_hand_is_checked() {
         ("\"horizontal_kn_per_m\": 4e5, ", "", "horizontal_kn_per_m = (missing)"),
         ("4e5", "-4e5", "horizontal_kn_per_m = -400000"),
         ("[1, 150]", "[150, 1]", "range_kn = [150, 1]: expected two ascending loads"),
-        ("\"c\":", "\"d\": 1, \"c\":", "unknown field `d`"),
+        ("\"c\":", "\"g\": 1, \"c\":", "unknown field `g`"),
+        ("\"c\":", "\"d\": 1, \"c\":", "d = (given): expected the keys of a law of the form \"power\""),
         ("\"c\":", "\"c\": 0.3, \"c\":", "duplicate field `c`"),
         ("\"beam\"", "\"hub\"", "reference = \"hub\": expected \"foot\", \"beam\" or \"local\""),
     ] {
@@ -223,6 +229,55 @@ fn a_law_written_by_hand_is_checked() {
     let without = study_with_horizontal();
     let law = LAW.replace("\"horizontal_kn_per_m\": 4e5, ", "");
     assert_eq!(read(&without, &law).unwrap().horizontal_kn_per_m, 7e4);
+}
+
+/// Source: the forms of docs/laws.md, kN and m. Goal: a law of each form is taken from a file written by hand, with its tangent; one without a key of its form, or with one
+/// of another, is refused with the key. Accuracy: ROUNDOFF.
+#[test]
+fn a_law_of_each_form_is_written_by_hand() {
+    let study = study("");
+    let law = |keys: &str| format!("{{{keys}, \"horizontal_kn_per_m\": 4e5, \"reference\": \"beam\"}}");
+    let tangent = |keys: &str, force: f64| {
+        springs(&read(&study, &law(keys)).unwrap_or_else(|e| panic!("{e}"))).unwrap().normal.tangent(force)
+    };
+    let near = |value: f64, exact: f64| assert!((value / exact - 1.0).abs() < ROUNDOFF, "{value} {exact}");
+    let series = r#""form": "series", "b_kn_per_m": 4e5, "c": 0.25, "f0_kn": 2, "s_kn_per_m": 2e6"#;
+    // b·(32/2)^(1/4) is 2·4e5 kN/m
+    near(tangent(series, 32e3), 1e3 / (1.0 / 8e5 + 1.0 / 2e6));
+    near(tangent(&series.replace(", \"s_kn_per_m\": 2e6", ""), 32e3), 8e8);
+    let steps = r#""form": "steps", "b_kn_per_m": 4e5, "c": 0.25, "f0_kn": 1, "f1_kn": 16, "p": 2, "d": 0.5, "e": 0.75"#;
+    // at the step t is 1: b·16^(1/4)·2^(0.5/2)·(1 + 0.5/2)
+    near(tangent(steps, 16e3), 8e8 * 2f64.powf(0.25) * 1.25);
+    let table = r#""form": "table", "table_kn_and_kn_per_m": [[1, 4e5], [8, 8e5], [27, 12e5], [125, 20e5]]"#;
+    near(tangent(table, 64e3), 16e8);
+    for (keys, from, to, part) in [
+        (series, "4e5", "0", "b_kn_per_m = 0: expected a number above 0"),
+        (series, "2e6", "-1", "s_kn_per_m = -1: expected a number above 0"),
+        (steps, "\"p\": 2, ", "", "p = (missing)"),
+        (steps, "\"p\": 2", "\"p\": 100", "0.5 ≤ p ≤ 20"),
+        (steps, "\"e\": 0.75", "\"e\": 1", "e = 1: expected a number from 0 to below 1"),
+        (steps, "\"form\": \"steps\", ", "", "f1_kn = (given): expected the keys of a law of the form \"power\""),
+        (table, "[8, 8e5]", "[1, 8e5]", "law.points[1].force"),
+        (table, "\"table_kn_and", "\"c\": 1, \"table_kn_and", "c = (given)"),
+        (table, "\"table\"", "\"curve\"", "unknown variant `curve`"),
+    ] {
+        let text = refusal(&study, &law(&keys.replace(from, to)));
+        assert!(text.contains(part), "{part:?} in {text}");
+    }
+}
+
+/// Goal: each form of a calibration drives the model, and the springs say which: its tangent at 40 kN is that of its record. Accuracy: ROUNDOFF.
+#[test]
+fn each_form_of_the_calibration_drives_the_model() {
+    let record = samples::stiffness();
+    for (key, form) in [("calibrated", Form::Power), ("series", Form::Series), ("steps", Form::Steps)] {
+        let with = study(&format!("[simulation]\nelement = \"published\"\nlaw = {key:?}\n"));
+        let found = own(&SpringsInput::of(&with), &record, None).unwrap();
+        let expected = NormalLaw::try_from(&record.form(form).unwrap().law).unwrap().tangent(40e3);
+        let tangent = springs(&found).unwrap().normal.tangent(40e3);
+        assert!((tangent / expected - 1.0).abs() < ROUNDOFF, "{key}: {tangent}");
+        assert_eq!(found.notes.iter().any(|note| note.contains(&format!("the form `{key}`"))), key != "calibrated");
+    }
 }
 
 fn study_with_horizontal() -> Study {
