@@ -13,8 +13,8 @@ use std::process::Output;
 use std::sync::OnceLock;
 
 use assert_cmd::Command;
-use railspring::results::springs::law::LawConstants;
 use railspring::results::springs::form::NormalLawRecord;
+use railspring::results::springs::law::LawConstants;
 use railspring_calibrate::law::{NormalLaw, StiffnessLaw};
 use serde_json::Value;
 use tempfile::TempDir;
@@ -253,7 +253,10 @@ fn every_form_goes_out() {
     assert_eq!(names[names.len() - 1], "table");
     for (form, name) in forms.iter().zip(&names) {
         let file = columns(&["--law", name], name);
-        assert!(file.contains(&format!("# law ({name}): ")) && file.contains("largest off tangent "), "{file}");
+        assert!(
+            file.contains(&format!("# law ({name}): ")) && file.contains("largest off tangent "),
+            "{file}"
+        );
         assert_eq!(file == usual, *name == "table", "{name}");
         let law: NormalLawRecord = serde_json::from_value(form.clone()).unwrap();
         let law = NormalLaw::try_from(&law).unwrap();
@@ -273,8 +276,13 @@ fn every_form_goes_out() {
         found["forms"].as_array_mut().unwrap().retain(|form| form["form"] != "series");
     }
     std::fs::write(root.join("stiffness.json"), without.to_string()).unwrap();
-    let output = railspring(root, &["export", "stiffness.json", "--to", "json", "--law", "series", "-o", "no"]);
-    assert!(output.status.code() == Some(2) && said(&output).contains("--law = \"series\""), "{}", said(&output));
+    let output =
+        railspring(root, &["export", "stiffness.json", "--to", "json", "--law", "series", "-o", "no"]);
+    assert!(
+        output.status.code() == Some(2) && said(&output).contains("--law = \"series\""),
+        "{}",
+        said(&output)
+    );
 }
 
 /// Source: the formula of STEM's vehicle models, `((1 / contact_coefficient)·x)^contact_power`, and its inverse, the static deformation

@@ -111,7 +111,8 @@ impl NormalCalibration {
     /// # Errors
     /// Those of [`fit_forms`].
     pub fn forms(&self) -> Result<Vec<FormFit>> {
-        let solid = |p: &LoadPoint| Solid { force: p.force, tangent: p.solid_tangent, displacement: p.displacement };
+        let solid =
+            |p: &LoadPoint| Solid { force: p.force, tangent: p.solid_tangent, displacement: p.displacement };
         fit_forms(&self.points.iter().map(solid).collect::<Vec<_>>(), self.fit.law)
     }
 }
@@ -406,6 +407,7 @@ pub fn patch(state: &Pressed) -> Patch {
 }
 
 /// Contact between lines along the track that carry nothing.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Region {
     /// Normal force, N.
     pub force: f64,

@@ -17,8 +17,7 @@ mod forms;
 
 pub use forms::{Form, FormFit, OffAt, fit_forms};
 pub use normal::NormalLaw;
-pub(crate) use points::LEAST_LOADS;
-pub use points::Solid;
+pub use points::{LEAST_LOADS, Solid};
 pub use power::{REFERENCE_FORCE, StiffnessLaw};
 pub use series::{SeriesLaw, fit_series};
 pub use steps::{LEAST_LOADS_OF_STEPS, StepConstants, StepLaw, fit_steps};

@@ -9,7 +9,9 @@ use super::failure::Failure;
 use super::output::{remark, say};
 use super::set_args::SetArgs;
 use crate::engine::output::OutputFolder;
-use crate::export::{Condition, ExportFile, ExportRow, Format, LawForm, SpringsFile, index, of_calibration, rows};
+use crate::export::{
+    Condition, ExportFile, ExportRow, Format, LawForm, SpringsFile, index, of_calibration, rows,
+};
 use crate::results::springs::record::StiffnessRecord;
 use crate::study::Study;
 use crate::table::{Table, TableRecord};
@@ -83,7 +85,8 @@ pub(super) fn export(args: &ExportArgs) -> Result<bool, Failure> {
 fn of_study(args: &ExportArgs, record: &StiffnessRecord) -> Result<bool, Failure> {
     let set = args.set.settings();
     let study = args.study.as_deref().map(|study| Study::read_with(study, set)).transpose()?;
-    let files = of_calibration(&args.file, record, args.format, args.reference.as_deref(), args.law, study.as_ref())?;
+    let files =
+        of_calibration(&args.file, record, args.format, args.reference.as_deref(), args.law, study.as_ref())?;
     Ok(write(&files, args.output.as_deref()).map(|()| true)?)
 }
 
@@ -91,9 +94,8 @@ fn of_table(args: &ExportArgs, table: &TableRecord<'static>) -> Result<bool, Fai
     let file = args.file.display().to_string();
     let rows = rows(&file, table, &args.conditions)?;
     let source = args.study.as_deref().map(Table::read).transpose()?;
-    let files = |row: &ExportRow<'_>| {
-        row.files(args.format, args.reference.as_deref(), args.law, source.as_ref())
-    };
+    let files =
+        |row: &ExportRow<'_>| row.files(args.format, args.reference.as_deref(), args.law, source.as_ref());
     if let [row] = &rows[..] {
         return Ok(write(&files(row)?, args.output.as_deref()).map(|()| true)?);
     }

@@ -58,7 +58,9 @@ pub(super) fn matlab(spring: &Spring) -> ExportFile {
     for (name, value) in constants(&spring.law) {
         let value = match value {
             Value::String(text) => format!("'{text}'"),
-            Value::Array(values) => format!("[{}]", values.iter().map(Value::to_string).collect::<Vec<_>>().join(" ")),
+            Value::Array(values) => {
+                format!("[{}]", values.iter().map(Value::to_string).collect::<Vec<_>>().join(" "))
+            }
             Value::Null => "Inf".into(),
             value => value.to_string(),
         };
@@ -128,7 +130,12 @@ fn constants(law: &NormalLaw) -> Vec<(&'static str, Value)> {
     let mut all = vec![("form", json!(form_of(law).name()))];
     all.extend(match law {
         NormalLaw::Power(law) => {
-            vec![("a_n_per_m", json!(law.a)), ("b_n_per_m", json!(law.b)), ("c", json!(law.c)), ("f0_n", json!(REFERENCE_FORCE))]
+            vec![
+                ("a_n_per_m", json!(law.a)),
+                ("b_n_per_m", json!(law.b)),
+                ("c", json!(law.c)),
+                ("f0_n", json!(REFERENCE_FORCE)),
+            ]
         }
         NormalLaw::Series(law) => vec![
             ("b_n_per_m", json!(law.b())),

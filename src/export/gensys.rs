@@ -101,12 +101,13 @@ fn profile(spring: &Spring, body: &str, origin: &str, rows: &[[f64; 2]]) -> Expo
 /// The tangent stiffness over the contact angle under a load, if two angles have it.
 fn field(spring: &Spring, laws: &[ShiftRecord], load_kn: f64) -> Option<ExportFile> {
     let reference = &spring.reference;
-    let mut rows: Vec<[f64; 3]> = laws
+    let mut rows: Vec<[f64; 4]> = laws
         .iter()
         .filter_map(|shift| {
             let load = shift.loads.iter().find(|load| load.force_kn == load_kn)?;
             let point = load.references.iter().find(|point| &point.reference == reference)?;
-            Some([shift.angle()?, point.tangent_kn_per_m * KILONEWTON_PER_METRE, shift.shift_mm])
+            let shared = if load.contacts.len() > 1 { 1.0 } else { 0.0 };
+            Some([shift.angle()?, point.tangent_kn_per_m * KILONEWTON_PER_METRE, shift.shift_mm, shared])
         })
         .collect();
     rows.sort_by(|a, b| a[0].total_cmp(&b[0]));
@@ -124,6 +125,7 @@ fn field(spring: &Spring, laws: &[ShiftRecord], load_kn: f64) -> Option<ExportFi
         "a memory field, for knwr (tread) and knfr (flange) alike, as each is taken at its own contact angle".into(),
         "columns: X, contact angle, rad; Y, stiffness along the contact normal, N/m; behind #, lateral shift of the wheelset, mm"
             .into(),
+        "where two contacts share the load the stiffness is that of the pair, along the normal of the first touch".into(),
         format!(
             "the stiffness is the tangent of the solid model under {load_kn} kN along the contact normal: a linear spring for loads \
              about that one"
@@ -134,8 +136,9 @@ fn field(spring: &Spring, laws: &[ShiftRecord], load_kn: f64) -> Option<ExportFi
     ];
     let what = format!("Contact stiffness over the contact angle under {load_kn} kN for GENSYS");
     let mut text = commented("#", &spring.heading(&what, &own));
-    for [angle, stiffness, shift] in &rows {
-        let _ = writeln!(text, "{:.9} {stiffness:.6e}  # {shift}", angle.to_radians());
+    for [angle, stiffness, shift, shared] in &rows {
+        let pair = if *shared > 0.0 { ", two contacts" } else { "" };
+        let _ = writeln!(text, "{:.9} {stiffness:.6e}  # {shift}{pair}", angle.to_radians());
     }
     Some(ExportFile { name: format!("stiffness_over_angle_{load_kn}kn.dat"), text })
 }

@@ -131,7 +131,9 @@ impl Spring {
             format!(
                 "range: fitted from {low} to {high} kN; below, the law goes on to no load; above {high} kN there is none"
             ),
-            format!("the law against the solid model, each over its value at the load: largest off {largest}"),
+            format!(
+                "the law against the solid model, each over its value at the load: largest off {largest}"
+            ),
             from.clone(),
         ];
         if let Some([displacement, tangent]) = self.band {
@@ -192,7 +194,10 @@ pub(super) fn worth(of: &FormRecord) -> [String; 2] {
     });
     let kept: Vec<String> = kept.take(NAMED).collect();
     let from = match kept.is_empty() {
-        true => "tangent and displacement are within none of the limits that are looked for at the largest load".into(),
+        true => {
+            "tangent and displacement are within none of the limits that are looked for at the largest load"
+                .into()
+        }
         false => format!("tangent and displacement both within {}", kept.join(", ")),
     };
     [of.worth(), from]
@@ -201,7 +206,12 @@ pub(super) fn worth(of: &FormRecord) -> [String; 2] {
 /// The error for a form that a law of `file` does not have.
 pub(super) fn no_form(file: &str, form: Form) -> InputError {
     let expected = format!("a form that {file} has; \"steps\" needs eight loads");
-    InputError::new("--law", format!("{:?}", form.name()), expected, "take \"table\", or calibrate at more loads")
+    InputError::new(
+        "--law",
+        format!("{:?}", form.name()),
+        expected,
+        "take \"table\", or calibrate at more loads",
+    )
 }
 
 /// The error for a `wanted` reference that `file` does not have.

@@ -248,9 +248,12 @@ impl ExportRow<'_> {
                 loads.join(", ")
             )
         });
+        let shared = record.at.shared_from_kn.map(|load| {
+            format!("from {load} kN on two contacts share the load: the law is that of the pair, along the direction above")
+        });
         let end =
             record.at.reason.as_ref().map(|reason| format!("the law ends before the largest load: {reason}"));
-        [touch, horizontal, end].into_iter().flatten().collect()
+        [touch, horizontal, shared, end].into_iter().flatten().collect()
     }
 
     /// Mean, smallest and largest horizontal stiffness over the loads of the columns, kN/m; as the springs of a study have the mean over

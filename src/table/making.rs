@@ -56,6 +56,7 @@ impl PlaceRecord {
                 shift_mm,
                 touch: None,
                 laws: Vec::new(),
+                shared_from_kn: None,
                 loads: Vec::new(),
                 published_secant_ratio: None,
                 error_band: None,

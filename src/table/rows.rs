@@ -192,7 +192,10 @@ impl Row {
         self.put("to_kn", law.map(|law| law.range_kn[1]));
         self.put("law_rms_rel_error", law.map(|law| law.rms_rel_error));
         self.put("law_max_rel_error", law.map(|law| law.max_rel_error));
-        self.put("displacement_max_rel_error", in_use.and_then(|entry| entry.form(Form::Power)).map(|of| of.displacement.max_rel_error));
+        self.put(
+            "displacement_max_rel_error",
+            in_use.and_then(|entry| entry.form(Form::Power)).map(|of| of.displacement.max_rel_error),
+        );
     }
 
     fn load(&mut self, case: &Case, record: &PlaceRecord, loads: &[f64], load_kn: f64) {

@@ -96,7 +96,7 @@ limits! {
         "Integrated law against the solid's displacement at the same load, largest relative difference"
             + "at the loads that the load cases use; of the condensed element over the displacement under the largest load";
     hub_compliance: f64 = 0.03, [0.0, 1e6], Verification in "1",
-        "Flexibility of the condensed element's hub against the solid, largest difference over shifts and loads"
+        "Flexibility of the condensed element's hub against the solid, largest difference over shifts and loads of one contact"
             + "lateral and vertical over that of the solid, their coupling over the geometric mean of both";
     beam_missing: f64 = 0.02, [0.0, 1e6], Consistency in "1",
         "Rail beam against the solid rail, what it misses over the whole flexibility"

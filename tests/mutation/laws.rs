@@ -4,10 +4,10 @@
 use std::path::Path;
 
 use railspring::results::bodies::geometry::{Geometry, geometry};
-use railspring::results::springs::form::NormalLawRecord;
 use railspring::results::run::input::SpringsInput;
 use railspring::results::run::record::SpringsRecord;
 use railspring::results::run::springs;
+use railspring::results::springs::form::NormalLawRecord;
 use railspring::study::Study;
 use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Visitor};
 use serde_json::Value;
@@ -117,8 +117,7 @@ fn misread(record: &SpringsRecord, text: &str) -> Option<String> {
     // the same tangent from the file's own constants and from what the simple model runs with, at 85 kN
     const ROUNDOFF: f64 = 1e-12;
     let force = 85.0;
-    let tangent =
-        law.a_kn_per_m + law.b_kn_per_m * (force / law.f0_kn).powf(law.c);
+    let tangent = law.a_kn_per_m + law.b_kn_per_m * (force / law.f0_kn).powf(law.c);
     let run = si.normal.tangent(force * 1e3) * 1e-3;
     ((run / tangent - 1.0).abs() > ROUNDOFF || !run.is_finite())
         .then(|| format!("k(85 kN) {run} for {tangent} kN/m"))

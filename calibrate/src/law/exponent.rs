@@ -36,9 +36,7 @@ pub(super) fn best_exponent(squares: impl Fn(f64) -> f64, points: usize) -> Resu
     let solver =
         BrentOpt::new(at(best.saturating_sub(1)), at((best + 1).min(SCAN))).set_tolerance(1e-12, 1e-13);
     let failure = |iteration, residual| {
-        Error::from(
-            NumericsError::new("law fit", StopReason::NotFinite, residual, points).after(iteration),
-        )
+        Error::from(NumericsError::new("law fit", StopReason::NotFinite, residual, points).after(iteration))
     };
     let search = Executor::new(Squares(squares), solver)
         .configure(|state| state.max_iters(200))

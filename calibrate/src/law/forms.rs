@@ -2,10 +2,10 @@
 
 use super::normal::NormalLaw;
 use super::points::{Solid, check_solid};
+use super::power::StiffnessLaw;
 use super::series::fit_series;
 use super::steps::{LEAST_LOADS_OF_STEPS, fit_steps};
 use super::table::TableLaw;
-use super::power::StiffnessLaw;
 use railspring_profiles::error::Result;
 
 /// How a law is written.

@@ -3,7 +3,7 @@
 use railspring_profiles::error::{InputError, Result};
 
 /// Fewer loads are no law: it has three constants, and their errors need one load more.
-pub(crate) const LEAST_LOADS: usize = 4;
+pub const LEAST_LOADS: usize = 4;
 
 /// Refuses points from which no law can be made.
 pub(super) fn check_points(forces: &[f64], stiffness: &[f64]) -> Result<()> {

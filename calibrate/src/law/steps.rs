@@ -198,10 +198,7 @@ impl StepLaw {
     fn power_between(&self, from: f64, to: f64) -> [f64; 2] {
         let ([low, soft], [high, stiff]) = (self.at(from), self.at(to));
         let e = self.constants.exponent_above;
-        [
-            (high * stiff - low * soft) / (1.0 - e),
-            (high * high * stiff - low * low * soft) / (2.0 - e),
-        ]
+        [(high * stiff - low * soft) / (1.0 - e), (high * high * stiff - low * low * soft) / (2.0 - e)]
     }
 
     /// Both integrals over one panel through the step, `∫ f/k dx` and `∫ f²/k dx`.

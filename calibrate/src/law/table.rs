@@ -184,7 +184,11 @@ impl TableLaw {
             let rest = self.knots().enumerate().filter(|(i, _)| *i != out).map(|(_, knot)| knot);
             let (forces, tangents): (Vec<f64>, Vec<f64>) = rest.unzip();
             let Knot { x, y, .. } = self.knots[out];
-            Some(Self::with_exponent_below(&forces, &tangents, Some(self.below)).ok()?.tangent(x.exp()) / y.exp() - 1.0)
+            Some(
+                Self::with_exponent_below(&forces, &tangents, Some(self.below)).ok()?.tangent(x.exp())
+                    / y.exp()
+                    - 1.0,
+            )
         };
         (1..self.knots.len() - 1).filter_map(without).collect()
     }
@@ -348,7 +352,10 @@ mod tests {
         let power = StiffnessLaw { a: 0.0, b: 1e8, c: 0.3 };
         let exact = TableLaw::new(&FORCES, &FORCES.map(|f| power.tangent(f))).unwrap();
         let left_out = exact.left_out();
-        assert!(left_out.len() == 4 && left_out.iter().all(|off| off.abs() < 10.0 * ROUNDOFF), "{left_out:?}");
+        assert!(
+            left_out.len() == 4 && left_out.iter().all(|off| off.abs() < 10.0 * ROUNDOFF),
+            "{left_out:?}"
+        );
         assert!(table.left_out().iter().any(|off| off.abs() > 0.01));
         assert!(TableLaw::new(&FORCES[..4], &tangents[..4]).unwrap().left_out().is_empty());
     }

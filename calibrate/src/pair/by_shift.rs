@@ -8,13 +8,13 @@ use super::bodies::{CondensedPair, ContactConditions, Laws};
 use super::geometry::Pair;
 use super::references::ByReference;
 use crate::calibration::{
-    DOWNWARDS, LoadPoint, NormalCalibration, Pressed, Reference, Sticking, WheelOnRail, load_point, regions,
-    sticking_flexibility, subtract_bodies,
+    DOWNWARDS, LoadPoint, NormalCalibration, Pressed, Reference, Region, Sticking, WheelOnRail, load_point,
+    regions, sticking_flexibility, subtract_bodies,
 };
 use crate::contact::Subsurface;
 use crate::law::LEAST_LOADS;
 use nalgebra::{Matrix2, Point2, Unit, Vector2};
-use railspring_profiles::error::{Error, InputError, NumericsError, Result, StopReason};
+use railspring_profiles::error::{Error, InputError, Result};
 use railspring_profiles::field::InputField;
 use railspring_profiles::monitor::Monitor;
 use railspring_profiles::placement::Touch;
@@ -26,7 +26,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 pub enum PressDirection {
     /// Vertically down, the hub held laterally: the law of the hub, whatever number of contacts carries the load.
     Vertical,
-    /// Along the contact normal at the first touch, the hub held across it: the law of one contact, which ends where another one carries.
+    /// Along the contact normal at the first touch, the hub held across it: the law of one contact, and of the pair where another one carries as well.
     #[default]
     Normal,
 }
@@ -97,12 +97,22 @@ pub struct AngleLaw {
     pub laws: Laws,
     /// The solid at the fixed loads.
     pub fixed: Vec<FixedLoad>,
+    /// The smallest load, N, that two contacts with different normals share: from there on the laws are those of the pair, along the direction of
+    /// the first touch; none where one contact carries every load.
+    pub shared_from: Option<f64>,
     /// Why the laws end before the largest load, if they do.
     pub ended: Option<Error>,
 }
 
+impl AngleLaw {
+    /// Whether one contact carries a load, N.
+    pub fn is_of_one_contact(&self, force: f64) -> bool {
+        self.shared_from.is_none_or(|shared| force < shared)
+    }
+}
+
 /// The solid under a fixed load.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct FixedLoad {
     /// Displacement, tangent and patch with every reference.
     pub points: ByReference<LoadPoint>,
@@ -117,6 +127,8 @@ pub struct FixedLoad {
     pub lateral_contact: f64,
     /// The largest stresses below the patch, the rail's section held; none for a contact between elements.
     pub subsurface: Option<Subsurface>,
+    /// The contacts that carry the load: one, or two whose normals are apart. Their normal forces and their normals out of the rail, world (y, z).
+    pub contacts: Vec<Region>,
 }
 
 /// The laws with the tape circle at every lateral world position `tape_ys` (m), on bodies that were condensed once. A place that has no law is
@@ -230,8 +242,8 @@ fn angle_law(
     let points = ByReference { foot: on_foot, beam: on_section.points, local };
     let across = Vector2::new(along.y, -along.x);
     let fixed = on_section.fixed.iter().filter(|fixed| fixed.load < carried);
-    let fixed =
-        fixed.map(|Fixed { load, sticking: Sticking { flexibility, lateral_contact }, subsurface }| {
+    let fixed = fixed.map(
+        |Fixed { load, sticking: Sticking { flexibility, lateral_contact }, subsurface, contacts }| {
             FixedLoad {
                 points: points.map(|points| points[*load]),
                 flexibility: *flexibility,
@@ -239,15 +251,19 @@ fn angle_law(
                 lateral_contact: *lateral_contact,
                 tangential_stiffness: 1.0 / across.dot(&(flexibility * across)),
                 subsurface: *subsurface,
+                contacts: contacts.clone(),
             }
-        });
+        },
+    );
     let fixed = fixed.collect();
     let laws = Laws {
         foot: points.foot.map(|points| NormalCalibration::new(Reference::Foot, points)).transpose()?,
         beam: NormalCalibration::new(Reference::Beam, points.beam)?,
         local: NormalCalibration::new(Reference::Local, points.local)?,
     };
-    Ok(AngleLaw { laws, fixed, ended })
+    let shared_from =
+        on_section.shared_from.filter(|shared| laws.beam.points.iter().any(|p| p.force >= *shared));
+    Ok(AngleLaw { laws, fixed, shared_from, ended })
 }
 
 /// What the loads in turn have come to, the rail held in one way.
@@ -255,6 +271,8 @@ struct Sequence {
     points: Vec<LoadPoint>,
     /// With the section held alone.
     fixed: Vec<Fixed>,
+    /// The smallest load that two contacts share, N.
+    shared_from: Option<f64>,
     /// Why it ended before the largest load.
     ended: Option<Error>,
 }
@@ -265,10 +283,11 @@ struct Fixed {
     load: usize,
     sticking: Sticking,
     subsurface: Option<Subsurface>,
+    contacts: Vec<Region>,
 }
 
 impl Sequence {
-    /// Presses with every load in turn, the rail held as for a `reference`, until one is not carried in one region.
+    /// Presses with every load in turn, the rail held as for a `reference`, until one is not carried.
     ///
     /// # Errors
     /// An interruption.
@@ -279,21 +298,21 @@ impl Sequence {
         going_on: &dyn Fn() -> Result<()>,
     ) -> Result<Self> {
         let poisson = wheel_on_rail.materials[0].poisson;
-        let mut sequence = Self { points: Vec::new(), fixed: Vec::new(), ended: None };
+        let mut sequence = Self { points: Vec::new(), fixed: Vec::new(), shared_from: None, ended: None };
         let mut before: Option<Pressed> = None;
         let loads = loads_in_turn(settings.loads, settings.fixed_loads);
         for (i, load) in loads.into_iter().enumerate() {
             going_on()?;
-            let pressed = match settings.direction {
-                PressDirection::Vertical => wheel_on_rail.press(load, before.as_ref()),
-                PressDirection::Normal => carried(wheel_on_rail, load, before.as_ref()),
-            };
-            let pressed = pressed.and_then(|state| {
+            let pressed = wheel_on_rail.press(load, before.as_ref()).and_then(|state| {
                 let point = load_point(wheel_on_rail, &state)?;
+                let contacts = contacts(&state);
+                if contacts.len() > 1 {
+                    sequence.shared_from.get_or_insert(load);
+                }
                 if reference == Reference::Beam && settings.fixed_loads.contains(&load) {
                     let sticking = sticking_flexibility(wheel_on_rail, &state)?;
                     let subsurface = state.subsurface(poisson);
-                    sequence.fixed.push(Fixed { load: i, sticking, subsurface });
+                    sequence.fixed.push(Fixed { load: i, sticking, subsurface, contacts });
                 }
                 sequence.points.push(point);
                 Ok(state)
@@ -317,29 +336,21 @@ const SECOND_REGION: f64 = 0.01;
 /// the other to half a percent, as where a worn tread touches in two places of nearly the same slope.
 const APART: f64 = 0.1;
 
-/// Equilibrium under a load that one contact carries.
-///
-/// # Errors
-/// Those of [`WheelOnRail::press`], and [`StopReason::SecondRegion`] with the part of the force that the other contact carries as
-/// residual.
-fn carried(wheel_on_rail: &WheelOnRail, load: f64, before: Option<&Pressed>) -> Result<Pressed> {
-    let state = wheel_on_rail.press(load, before)?;
-    let regions = regions(&state);
-    let whole: f64 = regions.iter().map(|region| region.force).sum();
-    let Some(main) = regions.iter().max_by(|a, b| a.force.total_cmp(&b.force)) else { return Ok(state) };
-    let other: f64 = regions
-        .iter()
-        .filter(|region| region.normal.perp(&main.normal).abs() > APART.sin())
-        .map(|region| region.force)
-        .sum();
-    if other < SECOND_REGION * whole {
-        return Ok(state);
+/// The contacts of a state in the order of its regions: those whose normals are apart, each with the regions whose normals are near its own. A contact that carries less than
+/// [`SECOND_REGION`] of all normal forces does not count.
+fn contacts(state: &Pressed) -> Vec<Region> {
+    let mut contacts: Vec<Region> = Vec::new();
+    for region in regions(state) {
+        let near = |other: &&mut Region| region.normal.perp(&other.normal).abs() <= APART.sin();
+        match contacts.iter_mut().find(near) {
+            Some(other) => {
+                let sum = other.normal * other.force + region.normal * region.force;
+                (other.force, other.normal) = (other.force + region.force, sum.normalize());
+            }
+            None => contacts.push(region),
+        }
     }
-    Err(NumericsError::new(
-        format!("law of one contact at {:.3} kN", load * 1e-3),
-        StopReason::SecondRegion,
-        other / whole,
-        state.solution.active(),
-    )
-    .into())
+    let whole: f64 = contacts.iter().map(|contact| contact.force).sum();
+    contacts.retain(|contact| contact.force >= SECOND_REGION * whole);
+    contacts
 }

@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use super::record::{
-    AngleLawRecord, FixedLoadRecord, FixedReferenceRecord, ShiftRecord, StiffnessByAngleRecord,
+    AngleLawRecord, ContactRecord, FixedLoadRecord, FixedReferenceRecord, ShiftRecord, StiffnessByAngleRecord,
 };
 use crate::engine::columns::{Column, columns, csv, properties, schema};
 use crate::results::springs::band_record::BandPointRecord;
@@ -39,6 +39,12 @@ fn columns<'a>() -> Vec<Column<At<'a>>> {
             |at| at.law.map_or("", |law| &law.reference);
         "force_kn", "Load along the contact normal, kN; none where no fixed load lies in the range of the law",
             |at| Some(at.load?.force_kn);
+        "shared_from_kn", "Smallest load that two contacts with different normals share, kN; the law is that of the pair from there on",
+            |at| at.shift.shared_from_kn;
+        "second_force_kn", "Normal force of the contact that carries less, kN; none where one contact carries the load",
+            |at| Some(second(at.load?)?.force_kn);
+        "second_angle_deg", "Contact angle of that contact, degrees",
+            |at| Some(second(at.load?)?.contact_angle_deg);
         "displacement_mm", "Displacement of the solid, mm", |at| Some(at.point?.displacement_mm);
         "tangent_kn_per_m", "Tangent stiffness of the solid, kN/m", |at| Some(at.point?.tangent_kn_per_m);
         "displacement_rel_error_band", "Half width of the error band of the displacement, relative",
@@ -89,6 +95,12 @@ fn columns<'a>() -> Vec<Column<At<'a>>> {
         "reason", "Why there is no law, or why it ends before the largest load",
             |at| at.shift.reason.clone().unwrap_or_default();
     }
+}
+
+/// Of two contacts, the one that carries less.
+fn second(load: &FixedLoadRecord) -> Option<ContactRecord> {
+    let [a, b] = load.contacts[..] else { return None };
+    Some(if a.force_kn < b.force_kn { a } else { b })
 }
 
 /// The file.

@@ -175,10 +175,26 @@ pub fn caption(laws: &StiffnessByAngleRecord) -> String {
     format!(
         "Tangent stiffness along the contact normal over the contact angle at fixed loads along that normal, friction {}: \
          of the approach of the surfaces alone, against the rail's section{foot}. The shifts of the wheelset stand in the \
-         order of their contact angles, at equal distances; a line is interrupted where one contact does not carry the load.{bars} \
-         The laws are in `stiffness_by_angle.json`.{}",
+         order of their contact angles, at equal distances; a line is interrupted where a load is not carried.{bars} \
+         {}The laws are in `stiffness_by_angle.json`.{}",
         number(laws.friction),
+        shared(laws),
         published_secants(laws)
+    )
+}
+
+/// At which shifts and from which loads on two contacts share the load; empty without any.
+fn shared(laws: &StiffnessByAngleRecord) -> String {
+    let places = laws.shifts.iter().filter_map(|shift| {
+        Some(format!("{} mm from {} kN on", number(shift.shift_mm), number(shift.shared_from_kn?)))
+    });
+    let places: Vec<String> = places.collect();
+    if places.is_empty() {
+        return String::new();
+    }
+    format!(
+        "Two contacts with different normals share the load at a shift of {}: there the stiffness is that of the pair along the normal of the first touch. ",
+        places.join(", ")
     )
 }
 

@@ -1,7 +1,7 @@
 //! The law by contact angle: the calibration's bodies with the wheel in other places across the track.
 
 use nalgebra::Matrix2;
-use railspring_calibrate::calibration::{LoadPoint, NormalCalibration, Reference};
+use railspring_calibrate::calibration::{LoadPoint, NormalCalibration, Reference, Region};
 use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::pair::{
     AngleLaw, AngleSettings, CondensedPair, FixedLoad, PressDirection, ShiftLaw, TouchPoint,
@@ -22,7 +22,7 @@ use crate::results::bodies::places::{loads_by_angle, shifts, tape_y};
 use crate::results::by_angle::element::{ElementRecord, HubDeviationRecord};
 use crate::results::by_angle::input::ByAngleInput;
 use crate::results::by_angle::record::{
-    AngleLawRecord, FixedLoadRecord, FixedReferenceRecord, ShiftRecord, ShiftTouchRecord,
+    AngleLawRecord, ContactRecord, FixedLoadRecord, FixedReferenceRecord, ShiftRecord, ShiftTouchRecord,
     StiffnessByAngleRecord,
 };
 use crate::results::springs::band_record::ErrorBandRecord;
@@ -168,10 +168,11 @@ fn shift_record(
         Ok((laws, law))
     };
     match law.and_then(entries) {
-        Ok((laws, AngleLaw { fixed, ended, .. })) => ShiftRecord {
+        Ok((laws, AngleLaw { fixed, ended, shared_from, .. })) => ShiftRecord {
             shift_mm,
             touch,
             laws,
+            shared_from_kn: shared_from.map(|load| load / KILONEWTON),
             published_secant_ratio: published_secant_ratio(&fixed),
             loads: fixed.iter().map(load_record).collect(),
             error_band,
@@ -181,6 +182,7 @@ fn shift_record(
             shift_mm,
             touch,
             laws: Vec::new(),
+            shared_from_kn: None,
             loads: Vec::new(),
             published_secant_ratio: None,
             error_band: None,
@@ -199,9 +201,6 @@ fn reason(shift_mm: f64, error: Error) -> String {
                 }
                 StopReason::EdgeOfCandidates => {
                     "; the contact leaves the contact zones of the meshes here: leave this shift out"
-                }
-                StopReason::SecondRegion => {
-                    "; the law of one contact angle ends there: a neighbouring shift has one contact"
                 }
                 _ => "; try a shift beside it, or a finer mesh in `mesh.contact_element_mm`",
             };
@@ -251,6 +250,14 @@ fn law_entry(calibration: &NormalCalibration) -> Result<AngleLawRecord> {
         law: law_record(&calibration.fit),
         forms: form_records(calibration)?,
     })
+}
+
+fn contact_record(contact: &Region) -> ContactRecord {
+    ContactRecord {
+        force_kn: contact.force / KILONEWTON,
+        // the normal points out of the rail, and z down
+        contact_angle_deg: (-contact.normal.x).atan2(-contact.normal.y).to_degrees(),
+    }
 }
 
 /// Where the displacement of the condensed element's hub is farthest from the solid's.
@@ -356,6 +363,7 @@ fn load_record(fixed: &FixedLoad) -> FixedLoadRecord {
     FixedLoadRecord {
         force_kn: beam.force / KILONEWTON,
         references: fixed.points.iter().map(reference).collect(),
+        contacts: fixed.contacts.iter().map(contact_record).collect(),
         hub_um_per_kn: hub_values(&fixed.flexibility),
         condensed_hub_um_per_kn: None,
         condensed_displacement_mm: None,

@@ -59,6 +59,10 @@ pub struct ShiftRecord {
     pub touch: Option<ShiftTouchRecord>,
     /// The laws, against `foot` where the study wants it, `beam` and `local`; none where there is no law.
     pub laws: Vec<AngleLawRecord>,
+    /// The smallest load, kN, that two contacts with different normals share, each at least one per cent: from there on the laws are those of the pair, along the normal
+    /// of the first touch. None where one contact carries every load.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shared_from_kn: Option<f64>,
     /// The solid at fixed loads within the range of the laws: the constants of a law do not interpolate between shifts, these values do.
     pub loads: Vec<FixedLoadRecord>,
     /// Secant stiffness of the solid against the held foot from 20 to 120 kN over that of the published law; none without laws against the foot,
@@ -112,6 +116,8 @@ pub struct FixedLoadRecord {
     pub force_kn: f64,
     /// Displacement and tangent with each reference.
     pub references: Vec<FixedReferenceRecord>,
+    /// The contacts that carry the load, along the rail's profile: one, or two where the pair shares it.
+    pub contacts: Vec<ContactRecord>,
     /// Flexibility of the hub against the rail's section, everything sticking: lateral, lateral with vertical, and vertical, µm/kN.
     #[serde(default)]
     pub hub_um_per_kn: [f64; 3],
@@ -158,6 +164,15 @@ impl FixedLoadRecord {
     pub fn reference(&self, name: &str) -> Option<&FixedReferenceRecord> {
         self.references.iter().find(|at| at.reference == name)
     }
+}
+
+/// A contact that carries a part of a load.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ContactRecord {
+    /// Its normal force, kN.
+    pub force_kn: f64,
+    /// Contact angle of its mean normal, degrees.
+    pub contact_angle_deg: f64,
 }
 
 /// The solid under a fixed load with one reference.

@@ -8,7 +8,7 @@ use crate::results::bodies::record::{
 };
 use crate::results::bodies::touch::{HertzRecord, TouchRecord};
 use crate::results::by_angle::record::{
-    AngleLawRecord, FixedLoadRecord, FixedReferenceRecord, ShiftRecord, ShiftTouchRecord,
+    AngleLawRecord, ContactRecord, FixedLoadRecord, FixedReferenceRecord, ShiftRecord, ShiftTouchRecord,
     StiffnessByAngleRecord,
 };
 use crate::results::springs::band_record::{
@@ -281,6 +281,7 @@ pub(crate) fn by_angle() -> StiffnessByAngleRecord {
                 sliding_um_per_kn: (reference.reference != "local").then_some(0.0),
             })
             .collect(),
+        contacts: vec![ContactRecord { force_kn: force, contact_angle_deg: angle }],
         hub_um_per_kn: [13.0, -0.002 * angle, 3.0 * force.powf(-0.3)],
         condensed_hub_um_per_kn: Some([12.9, -0.003 * angle, 3.1 * force.powf(-0.3)]),
         condensed_displacement_mm: Some(0.0101 * force.powf(0.7)),
@@ -309,6 +310,7 @@ pub(crate) fn by_angle() -> StiffnessByAngleRecord {
         shift_mm,
         touch: angle.map(touch),
         laws: if loads.is_empty() { Vec::new() } else { laws() },
+        shared_from_kn: None,
         loads: loads.iter().map(|force| load(*force, angle.unwrap_or_default())).collect(),
         published_secant_ratio: None,
         error_band: (!loads.is_empty()).then(|| error_band(loads)),

@@ -1,7 +1,8 @@
 //! Laws of all forms between files and the library, and how far each is off.
 
 use railspring_calibrate::law::{
-    Form, FormFit, NormalLaw, OffAt, REFERENCE_FORCE, SeriesLaw, StepConstants, StepLaw, StiffnessLaw, TableLaw,
+    Form, FormFit, NormalLaw, OffAt, REFERENCE_FORCE, SeriesLaw, StepConstants, StepLaw, StiffnessLaw,
+    TableLaw,
 };
 use railspring_profiles::error::{Error, Result};
 use railspring_profiles::units::{KILONEWTON, KILONEWTON_PER_METRE};
@@ -105,7 +106,10 @@ impl NormalLawRecord {
                 text(*p)
             ),
             Self::Table(TablePoints { table_kn_and_kn_per_m: points, .. }) => {
-                format!("{} tangents of the solid, ln k over ln f a monotone cubic between them", points.len())
+                format!(
+                    "{} tangents of the solid, ln k over ln f a monotone cubic between them",
+                    points.len()
+                )
             }
         }
     }
@@ -172,7 +176,8 @@ impl TryFrom<&NormalLawRecord> for NormalLaw {
             }
             NormalLawRecord::Table(TablePoints { table_kn_and_kn_per_m, exponent_below }) => {
                 let point = |[force, k]: &[f64; 2]| (force * KILONEWTON, k * KILONEWTON_PER_METRE);
-                let (forces, tangents): (Vec<f64>, Vec<f64>) = table_kn_and_kn_per_m.iter().map(point).unzip();
+                let (forces, tangents): (Vec<f64>, Vec<f64>) =
+                    table_kn_and_kn_per_m.iter().map(point).unzip();
                 TableLaw::with_exponent_below(&forces, &tangents, *exponent_below)?.into()
             }
         })
@@ -277,6 +282,11 @@ impl FormRecord {
         &self.off[first..=last.max(first)]
     }
 
+    /// From which load on `value` keeps a limit, kN.
+    pub fn kept_from(&self, limit: f64, value: impl Fn(&OffRecord) -> Option<f64>) -> Option<f64> {
+        from(&self.off, limit, value)
+    }
+
     /// From which load on tangent and displacement keep a limit, kN.
     pub fn holds_from(&self, limit: f64) -> Option<f64> {
         let tangent = from(&self.off, limit, |at| at.tangent);
@@ -304,9 +314,11 @@ impl FormRecord {
 pub(crate) fn best_of_forms(forms: &[FormRecord]) -> Option<String> {
     /// Largest errors that a law is said to hold with; an error is rarely known better.
     const HOLDS: f64 = 0.01;
-    let largest = |of: &FormRecord| of.displacement.max_rel_error.max(of.tangent.map_or(0.0, |t| t.max_rel_error));
+    let largest =
+        |of: &FormRecord| of.displacement.max_rel_error.max(of.tangent.map_or(0.0, |t| t.max_rel_error));
     let power = forms.iter().find(|of| of.law.form() == Form::Power)?;
-    let [low, high] = [power.off.first()?.force_kn, power.off.last()?.force_kn].map(|load| significant(load, 3));
+    let [low, high] =
+        [power.off.first()?.force_kn, power.off.last()?.force_kn].map(|load| significant(load, 3));
     let best = forms.iter().min_by(|a, b| largest(a).total_cmp(&largest(b)))?;
     let published = format!("the published form is off by {} from {low} to {high} kN", power.worth());
     let from = |limit: f64| {

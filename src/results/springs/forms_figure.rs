@@ -55,7 +55,9 @@ pub fn table(stiffness: &StiffnessRecord) -> Value {
     let at = |at: Option<FarthestRecord>| {
         at.map_or_else(
             || "not known".into(),
-            |at| format!("{} % at {} kN", significant(1e2 * at.max_rel_error, 2), significant(at.force_kn, 3)),
+            |at| {
+                format!("{} % at {} kN", significant(1e2 * at.max_rel_error, 2), significant(at.force_kn, 3))
+            },
         )
     };
     let row = |form: &FormRecord| {

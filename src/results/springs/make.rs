@@ -32,7 +32,8 @@ use crate::results::springs::form::FormRecord;
 use crate::results::springs::law::LawConstants;
 use crate::results::springs::record::{
     BeamRecord, BoundRecord, ComplianceRecord, HorizontalPointRecord, HorizontalRecord, LawRecord,
-    LoadCurveRow, LoadEndRecord, PenaltyRecord, ReferenceRecord, StiffnessRecord, SubsurfaceRecord, TangentRecord,
+    LoadCurveRow, LoadEndRecord, PenaltyRecord, ReferenceRecord, StiffnessRecord, SubsurfaceRecord,
+    TangentRecord,
 };
 use crate::rounding::significant;
 use crate::study::{EnforcementKey, MeshFile, OutputKeys, Statics};

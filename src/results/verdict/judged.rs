@@ -140,11 +140,11 @@ fn reason(line: &Line) -> String {
 }
 
 /// Where the hub of the condensed element is most flexible or most stiff beside that of the solid: lateral, coupling and vertical, each with
-/// its shift (mm) and load (kN). The coupling is over the geometric mean of the other two.
-pub(crate) fn hub_deviations(laws: &StiffnessByAngleRecord) -> [Option<(f64, f64, f64)>; 3] {
+/// its shift (mm) and load (kN), among the loads that one contact carries, or that two share. The coupling is over the geometric mean of the other two.
+pub(crate) fn hub_deviations(laws: &StiffnessByAngleRecord, shared: bool) -> [Option<(f64, f64, f64)>; 3] {
     let mut farthest = [None::<(f64, f64, f64)>; 3];
     for shift in &laws.shifts {
-        for load in &shift.loads {
+        for load in shift.loads.iter().filter(|load| (load.contacts.len() > 1) == shared) {
             let Some(own) = load.condensed_hub_um_per_kn else { continue };
             let solid = load.hub_um_per_kn;
             let scales = [solid[0], (solid[0] * solid[2]).sqrt(), solid[2]];
@@ -184,7 +184,7 @@ mod tests {
         loads[0].condensed_hub_um_per_kn = Some([4.08, -0.5, 1.0]);
         loads[1].condensed_hub_um_per_kn = Some([4.0, -0.6, 1.01]);
         let [first, second] = [loads[0].force_kn, loads[1].force_kn];
-        let found = hub_deviations(&laws).map(Option::unwrap);
+        let found = hub_deviations(&laws, false).map(Option::unwrap);
         for ((off, _, load), (expected, at)) in
             found.into_iter().zip([(0.02, first), (0.05, second), (0.01, second)])
         {
@@ -192,7 +192,17 @@ mod tests {
         }
         loads = laws.shifts.iter_mut().flat_map(|shift| &mut shift.loads).collect();
         loads.iter_mut().for_each(|load| load.condensed_hub_um_per_kn = None);
-        assert_eq!(hub_deviations(&laws), [None; 3]);
+        assert_eq!(hub_deviations(&laws, false), [None; 3]);
+        let shift = laws.shifts.iter_mut().find(|shift| shift.loads.len() > 1).unwrap();
+        let at = (shift.shift_mm, shift.loads[0].force_kn);
+        let both = shift.loads[0].contacts[0];
+        shift.loads[0].contacts.push(both);
+        shift.loads[0].condensed_hub_um_per_kn = Some([4.0, -0.5, 1.04]);
+        assert_eq!(hub_deviations(&laws, false), [None; 3], "two contacts share the load");
+        let [.., Some((off, shift_mm, load))] = hub_deviations(&laws, true) else {
+            panic!("the shared load")
+        };
+        assert!((off - 0.04).abs() < ROUNDOFF && (shift_mm, load) == at, "{off}");
     }
 
     /// Goal: the derailment coefficient is named before a line that is farther beyond its limit, and one without a limit to divide by last.

@@ -21,6 +21,7 @@ use crate::results::verdict::law_lines::{law_lines, loads_used};
 use crate::results::verdict::record::{
     ElementDifferences, ElementVerdict, ScenarioVerdict, VerdictSubject, VerificationRecord,
 };
+use crate::rounding::significant;
 use crate::study::{ContactElementKey, Wheel};
 use crate::verify::{self, Criterion, Limits, Line};
 use crate::version;
@@ -238,9 +239,9 @@ pub fn statics_lines(
     laws: &StiffnessByAngleRecord,
 ) -> Vec<Line> {
     const DIRECTIONS: [&str; 3] = [
-        "Lateral flexibility of the element's hub (yy), largest difference from the solid over shifts and loads",
-        "Lateral flexibility of the element's hub under vertical forces (yz), largest difference over shifts and loads",
-        "Vertical flexibility of the element's hub (zz), largest difference from the solid over shifts and loads",
+        "Lateral flexibility of the element's hub (yy), largest difference from the solid over shifts and loads of one contact",
+        "Lateral flexibility of the element's hub under vertical forces (yz), largest difference over shifts and loads of one contact",
+        "Vertical flexibility of the element's hub (zz), largest difference from the solid over shifts and loads of one contact",
     ];
     let farthest = laws.element.as_ref().and_then(|element| element.displacement);
     let displacement = limits.law_displacement();
@@ -253,15 +254,24 @@ pub fn statics_lines(
         Some(at) => displacement.noted(place(at.shift_mm, at.force_kn)),
         None => displacement.noted("no place and load has a displacement of both"),
     };
-    let hub = hub_deviations(laws).into_iter().zip(DIRECTIONS).map(|(farthest, meaning)| {
+    let of_both = hub_deviations(laws, false).into_iter().zip(hub_deviations(laws, true));
+    let hub = of_both.zip(DIRECTIONS).map(|((farthest, shared), meaning)| {
         let line = Criterion { meaning, ..limits.hub_compliance() }.line(farthest.map(|(off, ..)| off));
         match farthest {
-            Some((_, shift_mm, force_kn)) => line.noted(place(shift_mm, force_kn)),
+            Some((_, shift_mm, force_kn)) => line.noted(place(shift_mm, force_kn) + &where_shared(shared)),
             None => line.noted("no place and load has both"),
         }
     });
     let beam = limits.beam_missing().line(Some(stiffness.beam.missing));
     [loads_line(stiffness), displacement].into_iter().chain(hub).chain([beam]).collect()
+}
+
+/// How far the hub is off where two contacts share the load, which no limit is set for: the element is fitted to single contacts.
+fn where_shared(farthest: Option<(f64, f64, f64)>) -> String {
+    farthest.map_or_else(String::new, |(off, shift_mm, force_kn)| {
+        let off = significant(1e2 * off, 3);
+        format!("; without a limit where two contacts share the load: {off} % {}", place(shift_mm, force_kn))
+    })
 }
 
 #[cfg(test)]

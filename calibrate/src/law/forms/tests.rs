@@ -44,7 +44,9 @@ fn s1002() -> Vec<Solid> {
 
 fn solid_of(law: &NormalLaw) -> Vec<Solid> {
     let loads = (0..24).map(|i| 1e3 * 150f64.powf(f64::from(i) / 23.0));
-    loads.map(|force| Solid { force, tangent: law.tangent(force), displacement: law.displacement(force) }).collect()
+    loads
+        .map(|force| Solid { force, tangent: law.tangent(force), displacement: law.displacement(force) })
+        .collect()
 }
 
 fn steps() -> StepConstants {
@@ -56,7 +58,9 @@ fn laws() -> [NormalLaw; 5] {
         SeriesLaw::new(4.6e8, 0.33, Some(3e9)).unwrap().into(),
         SeriesLaw::new(7e8, 0.0, None).unwrap().into(),
         StepLaw::new(steps()).unwrap().into(),
-        StepLaw::new(StepConstants { sharpness: 0.7, rise: 0.0, exponent_above: 0.0, ..steps() }).unwrap().into(),
+        StepLaw::new(StepConstants { sharpness: 0.7, rise: 0.0, exponent_above: 0.0, ..steps() })
+            .unwrap()
+            .into(),
         StepLaw::new(StepConstants { sharpness: 20.0, rise: 3.0, c: 0.9, ..steps() }).unwrap().into(),
     ]
 }
@@ -101,7 +105,9 @@ fn each_form_has_the_power_within() {
     let rigid = SeriesLaw::new(power.b, power.c, None).unwrap();
     let soft = SeriesLaw::new(power.b, power.c, Some(2e9)).unwrap();
     for force in [1.0, 900.0, 4.9e3, 77e3, 1e6] {
-        let near = |value: f64, exact: f64| assert!((value / exact - 1.0).abs() < ROUNDOFF, "{force}: {value} {exact}");
+        let near = |value: f64, exact: f64| {
+            assert!((value / exact - 1.0).abs() < ROUNDOFF, "{force}: {value} {exact}")
+        };
         near(stepped.tangent(force), power.tangent(force));
         near(stepped.displacement(force), power.displacement(force));
         near(stepped.energy(force), power.energy(power.displacement(force)));
@@ -134,16 +140,24 @@ fn a_law_is_found_again() {
         let form = if matches!(law, NormalLaw::Series(_)) { Form::Series } else { Form::Steps };
         let fits = fit_forms(&solid, power).unwrap();
         let found = fits.iter().find(|fit| fit.form == form).unwrap();
-        assert!(largest(&found.off).iter().all(|off| *off < SETTLED), "{:?} {:?}", found.law, largest(&found.off));
+        assert!(
+            largest(&found.off).iter().all(|off| *off < SETTLED),
+            "{:?} {:?}",
+            found.law,
+            largest(&found.off)
+        );
     }
-    let NormalLaw::Steps(found) = &fit_forms(&solid_of(&laws()[2]), fit_law_of(&solid_of(&laws()[2]))).unwrap()[2].law
+    let NormalLaw::Steps(found) =
+        &fit_forms(&solid_of(&laws()[2]), fit_law_of(&solid_of(&laws()[2]))).unwrap()[2].law
     else {
         panic!("the third form has a step")
     };
     let off = |value: f64, exact: f64| (value / exact - 1.0).abs();
     let (StepConstants { step_force, rise, c, .. }, exact) = (found.constants(), steps());
     // the constants follow from residuals of SETTLED through the least eigenvalue of the normal equations, about 1e-3
-    assert!(off(step_force, exact.step_force) < 1e-3 && off(rise, exact.rise) < 1e-3 && off(c, exact.c) < 1e-3);
+    assert!(
+        off(step_force, exact.step_force) < 1e-3 && off(rise, exact.rise) < 1e-3 && off(c, exact.c) < 1e-3
+    );
 }
 
 fn fit_law_of(solid: &[Solid]) -> StiffnessLaw {
@@ -174,7 +188,10 @@ fn the_law_with_a_step_follows_s1002_on_60e1() {
     let table = of(Form::Table);
     assert!(table[1] < 0.02 && table[0] > 0.05, "{table:?}");
     let first = fits.last().unwrap().off[0];
-    assert!(first.displacement.abs() < ROUNDOFF && first.tangent.is_none(), "the table begins with the displacement of the solid: {first:?}");
+    assert!(
+        first.displacement.abs() < ROUNDOFF && first.tangent.is_none(),
+        "the table begins with the displacement of the solid: {first:?}"
+    );
 }
 
 /// Goal: stiffness that falls with the force gets the best constant of every form but the table, and few loads no law with a step.
@@ -183,7 +200,11 @@ fn stiffness_that_falls_is_a_constant() {
     let falling: Vec<Solid> = (1..=9)
         .map(|i| {
             let force = 2e4 * f64::from(i);
-            Solid { force, tangent: 1e9 * (1.0 - 1e-6 * force), displacement: -1e-3 * (1.0 - 1e-6 * force).ln() }
+            Solid {
+                force,
+                tangent: 1e9 * (1.0 - 1e-6 * force),
+                displacement: -1e-3 * (1.0 - 1e-6 * force).ln(),
+            }
         })
         .collect();
     let fits = fit_forms(&falling, fit_law_of(&falling)).unwrap();
@@ -209,7 +230,8 @@ fn what_is_no_law_is_refused() {
         let said = StepLaw::new(wrong).unwrap_err().to_string();
         assert!(said.starts_with("law =") && said.contains("0.5 ≤ p ≤ 20"), "{said}");
     }
-    for (b, c, s) in [(-1.0, 0.3, None), (1e8, 1.0, None), (1e8, 0.3, Some(0.0)), (1e8, 0.3, Some(f64::NAN))] {
+    for (b, c, s) in [(-1.0, 0.3, None), (1e8, 1.0, None), (1e8, 0.3, Some(0.0)), (1e8, 0.3, Some(f64::NAN))]
+    {
         assert!(SeriesLaw::new(b, c, s).is_err(), "{b} {c} {s:?}");
     }
     let few = vec![Solid { force: 1.0, tangent: 1.0, displacement: 1.0 }; 3];

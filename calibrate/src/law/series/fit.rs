@@ -38,7 +38,8 @@ fn best(solid: &[Solid], c: f64) -> (f64, f64, f64) {
     let rows: Vec<[f64; 2]> = rows.collect();
     let dot = |i: usize, j: usize| rows.iter().map(|row| row[i] * row[j]).sum::<f64>();
     let sum = |i: usize| rows.iter().map(|row| row[i]).sum::<f64>();
-    let squares = |a: f64, b: f64| rows.iter().map(|row| (a * row[0] + b * row[1] - 1.0).powi(2)).sum::<f64>();
+    let squares =
+        |a: f64, b: f64| rows.iter().map(|row| (a * row[0] + b * row[1] - 1.0).powi(2)).sum::<f64>();
     let projection = dot(0, 1) / dot(0, 0);
     // the second column made orthogonal to the first: the two are parallel at c = 0
     let (across, length) = rows.iter().fold((0.0, 0.0), |(across, length), row| {

@@ -108,7 +108,8 @@ fn step(normal: &Normal, place: &Place, bounds: &[Place; 2], damping: f64) -> Op
     let mut matrix = normal.matrix;
     let mut right = -normal.gradient;
     for i in 0..CONSTANTS {
-        let held = (place[i] <= bounds[0][i] && right[i] < 0.0) || (place[i] >= bounds[1][i] && right[i] > 0.0);
+        let held =
+            (place[i] <= bounds[0][i] && right[i] < 0.0) || (place[i] >= bounds[1][i] && right[i] > 0.0);
         // a constant without influence, as the sharpness of no step, stays as well
         if held || matrix[(i, i)] <= 0.0 {
             matrix.fill_row(i, 0.0);

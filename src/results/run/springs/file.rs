@@ -19,9 +19,7 @@ use crate::results::run::record::{SpringsRecord, SpringsSource};
 use crate::results::run::springs::accepted::{ACCEPTED, accepted_reference};
 use crate::results::run::springs::contact_element::with_element;
 use crate::results::run::springs::in_si::springs;
-use crate::results::run::springs::of_study::{
-    law_of_form, own, own_springs, revolved_mass, wheel_is_known,
-};
+use crate::results::run::springs::of_study::{law_of_form, own, own_springs, revolved_mass, wheel_is_known};
 use crate::results::run::springs::written::{WrittenLaw, given};
 use crate::results::springs::record::{BeamFactors, StiffnessRecord};
 use crate::study::{ContactElementKey, LawAcceptedKey, LawKey, PairRecord};

@@ -122,7 +122,8 @@ pub(super) fn own_springs(input: &SpringsInput<'_>, stiffness: &StiffnessRecord)
     };
     let note = accepted_reference(input, "calibration.reference", Some(&stiffness.reference))?;
     let law = law_of_form(stiffness, form)?;
-    let of_form = (form != Form::Power).then(|| format!("the law has the form `{}`: {}", form.name(), law.formula(4)));
+    let of_form =
+        (form != Form::Power).then(|| format!("the law has the form `{}`: {}", form.name(), law.formula(4)));
     Ok(SpringsRecord {
         source: SpringsSource::Calibrated,
         law,

@@ -177,9 +177,7 @@ fn a_table_has_the_tangents_of_the_calibration() {
         assert!((k - 1.0).abs() < ROUNDOFF, "{} kN: {k}", point.force_kn);
     }
     assert!(
-        own(&SpringsInput::of(&study("[simulation]\nelement = \"published\"\n")), &record, None)
-            .unwrap()
-            .law
+        own(&SpringsInput::of(&study("[simulation]\nelement = \"published\"\n")), &record, None).unwrap().law
             == NormalLawRecord::Power(record.law.constants)
     );
     let said = refusal(&with, LAW);
@@ -256,7 +254,12 @@ fn a_law_of_each_form_is_written_by_hand() {
         (steps, "\"p\": 2, ", "", "p = (missing)"),
         (steps, "\"p\": 2", "\"p\": 100", "0.5 ≤ p ≤ 20"),
         (steps, "\"e\": 0.75", "\"e\": 1", "e = 1: expected a number from 0 to below 1"),
-        (steps, "\"form\": \"steps\", ", "", "f1_kn = (given): expected the keys of a law of the form \"power\""),
+        (
+            steps,
+            "\"form\": \"steps\", ",
+            "",
+            "f1_kn = (given): expected the keys of a law of the form \"power\"",
+        ),
         (table, "[8, 8e5]", "[1, 8e5]", "law.points[1].force"),
         (table, "\"table_kn_and", "\"c\": 1, \"table_kn_and", "c = (given)"),
         (table, "\"table\"", "\"curve\"", "unknown variant `curve`"),
@@ -276,7 +279,10 @@ fn each_form_of_the_calibration_drives_the_model() {
         let expected = NormalLaw::try_from(&record.form(form).unwrap().law).unwrap().tangent(40e3);
         let tangent = springs(&found).unwrap().normal.tangent(40e3);
         assert!((tangent / expected - 1.0).abs() < ROUNDOFF, "{key}: {tangent}");
-        assert_eq!(found.notes.iter().any(|note| note.contains(&format!("the form `{key}`"))), key != "calibrated");
+        assert_eq!(
+            found.notes.iter().any(|note| note.contains(&format!("the form `{key}`"))),
+            key != "calibrated"
+        );
     }
 }
 

@@ -72,7 +72,11 @@ impl WrittenLaw {
         let given = |key: &str, value| -> Result<f64> { given(name, key, value) };
         let at_least_0 = |key: &str, value| -> Result<f64> {
             let value = given(key, value)?;
-            if value >= 0.0 { Ok(value) } else { Err(wrong(name, key, value, "a number of at least 0").into()) }
+            if value >= 0.0 {
+                Ok(value)
+            } else {
+                Err(wrong(name, key, value, "a number of at least 0").into())
+            }
         };
         let positive = |key: &str, value| -> Result<f64> {
             let value = given(key, value)?;
@@ -144,7 +148,8 @@ impl WrittenLaw {
             ("exponent_below", self.exponent_below),
         ];
         let keys = self.form.keys();
-        let Some((key, _)) = constants.iter().find(|(key, value)| value.is_some() && !keys.contains(key)) else {
+        let Some((key, _)) = constants.iter().find(|(key, value)| value.is_some() && !keys.contains(key))
+        else {
             return Ok(());
         };
         Err(InputError::new(

@@ -35,7 +35,10 @@ fn the_loads_used_decide() {
         for used in [None, Some([0.0, 90.0]), Some([1.05, 90.0])] {
             let [tangent, displacement] = law_lines(&input, &stiffness, used);
             assert!((tangent.value, tangent.holds) == (Some(0.2), false), "{used:?} {tangent:?}");
-            assert!((displacement.value, displacement.holds) == (Some(0.3), false), "{used:?} {displacement:?}");
+            assert!(
+                (displacement.value, displacement.holds) == (Some(0.3), false),
+                "{used:?} {displacement:?}"
+            );
         }
         let [tangent, displacement] = law_lines(&input, &stiffness, Some([20.0, 90.0]));
         assert!((tangent.value, tangent.holds) == (Some(0.005), true), "{tangent:?}");

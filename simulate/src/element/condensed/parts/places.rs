@@ -2,6 +2,7 @@
 
 use nalgebra::{Matrix2, Vector2, Vector3};
 use railspring_calibrate::calibration::LoadPoint;
+use railspring_calibrate::law::LEAST_LOADS;
 use railspring_calibrate::pair::ShiftLaw;
 
 /// What the solids say of the contact with the wheel in one place, pressed along the contact normal with the hub held across it.
@@ -38,12 +39,17 @@ pub struct StickingHub {
 }
 
 impl PlaceApproaches {
-    /// Of a law by contact angle; none where there is no law.
+    /// Of a law by contact angle at the loads that one contact carries; none where there is no law, or those are fewer than a law has.
     pub fn of(law: &ShiftLaw) -> Option<Self> {
         let (angle, along) = (law.law.as_ref().ok()?, *law.touch.as_ref()?.along);
         let load = |point: &LoadPoint| PlaceLoad { force: point.force, approach: point.displacement };
-        let loads = angle.laws.local.points.iter().map(load).collect();
-        let sticking = angle.fixed.iter().map(|at| StickingHub {
+        let of_one = |point: &&LoadPoint| angle.is_of_one_contact(point.force);
+        let loads: Vec<PlaceLoad> = angle.laws.local.points.iter().filter(of_one).map(load).collect();
+        if loads.len() < LEAST_LOADS {
+            return None;
+        }
+        let fixed = angle.fixed.iter().filter(|at| of_one(&&at.points.local));
+        let sticking = fixed.map(|at| StickingHub {
             load: load(&at.points.local),
             flexibility: at.flexibility,
             across: 1.0 / at.tangential_stiffness,
