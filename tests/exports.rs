@@ -254,7 +254,7 @@ fn every_form_goes_out() {
     for (form, name) in forms.iter().zip(&names) {
         let file = columns(&["--law", name], name);
         assert!(
-            file.contains(&format!("# law ({name}): ")) && file.contains("largest off tangent "),
+            file.contains(&format!("# law ({name}): ")) && file.contains("largest off tangent"),
             "{file}"
         );
         assert_eq!(file == usual, *name == "table", "{name}");

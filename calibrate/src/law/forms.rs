@@ -3,8 +3,8 @@
 use super::normal::NormalLaw;
 use super::points::{Solid, check_solid};
 use super::power::StiffnessLaw;
-use super::series::fit_series;
-use super::steps::{LEAST_LOADS_OF_STEPS, fit_steps};
+use super::series_fit::fit_series;
+use super::steps_fit::{LEAST_LOADS_OF_STEPS, fit_steps};
 use super::table::TableLaw;
 use railspring_profiles::error::Result;
 

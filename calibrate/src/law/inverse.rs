@@ -1,6 +1,7 @@
 //! The force at a displacement, for laws whose displacement is an integral.
 
-use super::power::INVERSE_TOLERANCE;
+/// Relative accuracy of an inverse.
+pub(super) const INVERSE_TOLERANCE: f64 = 1e-13;
 
 /// Force, N, at which `under(force)`, a pair of displacement (m) and tangent (N/m), has `displacement`, to 1e-13 relative, by Newton from a
 /// positive `guess` (N); 0 for a displacement of zero or below. The displacement has to be concave in the force.

@@ -10,9 +10,6 @@ pub const REFERENCE_FORCE: f64 = 1e3;
 /// Largest exponent of a law; at 1 one without a constant part has no finite displacement.
 pub(super) const LARGEST_EXPONENT: f64 = 0.95;
 
-/// Relative accuracy of the inverse [`StiffnessLaw::force`].
-pub(super) const INVERSE_TOLERANCE: f64 = 1e-13;
-
 /// Length of a quadrature panel in `ln f`.
 const PANEL: f64 = 2.0;
 

@@ -2,10 +2,6 @@
 //!
 //! `1/k(f) = 1/(b·(f/f0)^c) + 1/s`, with c near Hertz's 1/3 and `s` the bodies. Displacement and energy are closed.
 
-mod fit;
-
-pub use fit::fit_series;
-
 use super::inverse::force_at;
 use super::power::REFERENCE_FORCE;
 use railspring_profiles::error::{InputError, Result};

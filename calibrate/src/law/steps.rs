@@ -5,10 +5,6 @@
 //! it, the stiffness steps up by the factor `1 + d`, and both within a factor of about `9^(1/p)` of `f1` either way. Every factor
 //! rises with the force, so that the law does, whatever its constants. `e = c` leaves one power with a step, `d = 0` a bend.
 
-mod fit;
-
-pub use fit::{LEAST_LOADS_OF_STEPS, fit_steps};
-
 use super::inverse::force_at;
 use super::power::REFERENCE_FORCE;
 use railspring_profiles::error::{InputError, Result};
@@ -35,22 +31,22 @@ pub struct StepConstants {
 }
 
 /// Logarithm of the stiffness and what it is made of, at a logarithm of the force.
-struct Local {
+pub(super) struct Local {
     /// ln k.
-    stiffness: f64,
+    pub stiffness: f64,
     /// ln(f/f0).
-    x: f64,
+    pub x: f64,
     /// ln(f/f1).
-    beyond: f64,
+    pub beyond: f64,
     /// ln(1 + t).
-    bend: f64,
+    pub bend: f64,
     /// t/(1 + t), from 0 below the step to 1 above.
-    part: f64,
+    pub part: f64,
 }
 
 impl StepConstants {
     /// At ln(f/f0).
-    fn local(&self, x: f64) -> Local {
+    pub(super) fn local(&self, x: f64) -> Local {
         let beyond = x - (self.step_force / REFERENCE_FORCE).ln();
         let z = self.sharpness * beyond;
         // ln(1 + e^z) and 1/(1 + e^-z) without overflow

@@ -6,8 +6,9 @@
 //! else, and a power law is met exactly. Displacement and energy are integrals of it from no load, as with
 //! [`StiffnessLaw`](super::StiffnessLaw).
 
+use super::inverse::INVERSE_TOLERANCE;
 use super::points::{Solid, ascending, check_points, check_solid};
-use super::power::{INVERSE_TOLERANCE, LARGEST_EXPONENT};
+use super::power::LARGEST_EXPONENT;
 use railspring_profiles::error::{InputError, Result};
 use railspring_profiles::quadrature::GAUSS_12;
 

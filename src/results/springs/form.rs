@@ -306,7 +306,8 @@ impl FormRecord {
                 },
             )
         };
-        format!("tangent {}, displacement {}", part(self.tangent), part(Some(self.displacement)))
+        let tangent = if self.law.form() == Form::Table { "tangent between loads" } else { "tangent" };
+        format!("{tangent} {}, displacement {}", part(self.tangent), part(Some(self.displacement)))
     }
 }
 

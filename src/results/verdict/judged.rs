@@ -6,7 +6,7 @@ use crate::results::run::stage::Runs;
 use crate::results::springs::form::OffRecord;
 use crate::results::springs::record::StiffnessRecord;
 use crate::results::verdict::input::VerdictInput;
-use crate::results::verdict::law_lines::in_use;
+use crate::results::verdict::law_lines::form_in_use;
 use crate::results::verdict::record::{ScenarioVerdict, VerdictOn, VerdictSubject, VerificationRecord};
 use crate::rounding::{significant, with_unit};
 use crate::verify::{Line, touches_with_flange};
@@ -68,7 +68,7 @@ impl Judging<'_> {
     /// The loads at which the law in use follows tangent and displacement of the solid within their limits, if there are some: the longest row
     /// of them.
     fn loads_of_law(&self) -> Option<String> {
-        let form = in_use(self.input, self.stiffness?)?;
+        let form = self.stiffness?.form(form_in_use(self.input))?;
         let (tangent, displacement) = (self.input.limits.law_max, self.input.limits.law_displacement);
         let within = |at: &OffRecord| {
             at.tangent.is_none_or(|off| off.abs() <= tangent) && at.displacement.abs() <= displacement

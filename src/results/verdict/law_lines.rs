@@ -10,9 +10,13 @@ use crate::results::verdict::input::VerdictInput;
 use crate::rounding::significant;
 use crate::verify::{Criterion, Line};
 
-/// The law that a study's springs run with, if its calibration has that form; beside the published constants the study's own law of their form.
-pub(crate) fn in_use<'s>(input: &VerdictInput<'_>, stiffness: &'s StiffnessRecord) -> Option<&'s FormRecord> {
-    stiffness.form(input.law.form().unwrap_or(Form::Power))
+/// The form of the law in use: that which the study's load cases run with, beside the published constants the study's own law of their form; without load cases the
+/// table, which exports take where no form is named.
+pub(crate) fn form_in_use(input: &VerdictInput<'_>) -> Form {
+    match input.cases.is_empty() {
+        true => Form::Table,
+        false => input.law.form().unwrap_or(Form::Power),
+    }
 }
 
 /// Smallest and largest P (kN) at which the load cases have contact in the published element, which the law drives; none without such a run.
@@ -42,7 +46,7 @@ pub(crate) fn law_lines(
 ) -> [Line; 2] {
     let tangent = |at: &OffRecord| at.tangent;
     let displacement = |at: &OffRecord| Some(at.displacement);
-    let Some(form) = in_use(input, stiffness) else {
+    let Some(form) = stiffness.form(form_in_use(input)) else {
         let missing = |of: Criterion| of.line(None).noted("the calibration has no law of the form in use");
         return [missing(input.limits.law_max()), missing(input.limits.law_displacement())];
     };

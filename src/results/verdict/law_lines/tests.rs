@@ -6,7 +6,8 @@ use crate::study::Study;
 
 fn study(law: &str) -> Study {
     let text = format!(
-        "name = \"x\"\n[rail]\nprofile = \"60E1\"\n[wheel]\nprofile = \"S1002\"\n[simulation]\nlaw = {law:?}\n"
+        "name = \"x\"\n[rail]\nprofile = \"60E1\"\n[wheel]\nprofile = \"S1002\"\n[simulation]\nlaw = {law:?}\n\
+         [scenario.s]\nvertical_force = {{}}\nlateral_force = {{}}\n"
     );
     Study::parse(Path::new("x.toml"), &text).unwrap_or_else(|e| panic!("{e}"))
 }
@@ -52,6 +53,20 @@ fn the_loads_used_decide() {
         ] {
             assert!(note.contains(part), "{part:?} in {note}");
         }
+    }
+}
+
+/// Goal: the form is that which the load cases run with, and the table without any; beside the published constants it is the power. A table's line is that of the others at each load.
+#[test]
+fn the_form_is_that_in_use() {
+    for (key, form) in [("series", Form::Series), ("calibrated", Form::Power), ("published", Form::Power)] {
+        let mut study = study(key);
+        assert_eq!(form_in_use(&VerdictInput::of(&study)), form);
+        study.scenarios.clear();
+        let input = VerdictInput::of(&study);
+        assert_eq!(form_in_use(&input), Form::Table);
+        let [tangent, _] = law_lines(&input, &off_at_the_first_load("power"), None);
+        assert!(tangent.holds && tangent.note.unwrap().starts_with("form `table` at "));
     }
 }
 

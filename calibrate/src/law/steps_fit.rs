@@ -6,9 +6,9 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use super::{StepConstants, StepLaw};
-use crate::law::points::{Solid, check_solid};
-use crate::law::power::{LARGEST_EXPONENT, REFERENCE_FORCE};
+use super::points::{Solid, check_solid};
+use super::power::{LARGEST_EXPONENT, REFERENCE_FORCE};
+use super::steps::{StepConstants, StepLaw};
 use railspring_profiles::error::{InputError, Result};
 use railspring_profiles::quadrature::GAUSS_12;
 

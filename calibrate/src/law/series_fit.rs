@@ -1,9 +1,9 @@
 //! Fit of a power law with a linear spring in series.
 
-use super::SeriesLaw;
-use crate::law::exponent::best_exponent;
-use crate::law::points::{Solid, check_solid};
-use crate::law::power::REFERENCE_FORCE;
+use super::exponent::best_exponent;
+use super::points::{Solid, check_solid};
+use super::power::REFERENCE_FORCE;
+use super::series::SeriesLaw;
 use railspring_profiles::error::Result;
 
 /// Fits the law to tangents and displacements of the solid, both relative at each load, by least squares: the search of [`fit_law`](crate::law::fit_law) over c,
