@@ -17,8 +17,8 @@ mod table;
 mod normal;
 mod forms;
 
-pub use forms::{Form, FormFit, OffAt, fit_forms};
-pub use normal::NormalLaw;
+pub use forms::{FormFit, OffAt, fit_forms};
+pub use normal::{Form, NormalLaw};
 pub use points::{LEAST_LOADS, Solid};
 pub use power::{REFERENCE_FORCE, StiffnessLaw};
 pub use series::SeriesLaw;

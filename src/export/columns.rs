@@ -7,7 +7,7 @@ use railspring_profiles::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE};
 use serde_json::{Value, json};
 
 use super::points::Points;
-use super::spring::{ExportFile, Spring, commented, form_of};
+use super::spring::{ExportFile, Spring, commented};
 use crate::engine::output::to_json;
 
 const COMPRESSION: &str = "displacement and force are positive in compression";
@@ -127,7 +127,7 @@ pub(super) fn as_json(spring: &Spring) -> ExportFile {
 
 /// The form of a law and its constants in N and m, by name; the spring in series of one that has none is null.
 fn constants(law: &NormalLaw) -> Vec<(&'static str, Value)> {
-    let mut all = vec![("form", json!(form_of(law).name()))];
+    let mut all = vec![("form", json!(law.form().name()))];
     all.extend(match law {
         NormalLaw::Power(law) => {
             vec![

@@ -5,7 +5,7 @@ use railspring_calibrate::law::{Form, NormalLaw, REFERENCE_FORCE, StepConstants,
 use railspring_profiles::error::{InputError, Result};
 use railspring_profiles::units::KILONEWTON;
 
-use crate::results::springs::form::{FormRecord, NormalLawRecord};
+use crate::results::springs::form::FormRecord;
 use crate::results::springs::record::{LawRecord, StiffnessRecord, TangentRecord};
 use crate::rounding::significant;
 use crate::table::document::DirectionKey;
@@ -127,7 +127,7 @@ impl Spring {
             format!("{what}, by railspring {}", env!("CARGO_PKG_VERSION")),
             self.made.clone(),
             format!("reference {}: {against}{along}", self.reference),
-            format!("law ({}): {}", form_of(&self.law).name(), formula(&self.law)),
+            format!("law ({}): {}", self.law.form().name(), formula(&self.law)),
             format!(
                 "range: fitted from {low} to {high} kN; below, the law goes on to no load; above {high} kN there is none"
             ),
@@ -148,11 +148,6 @@ impl Spring {
         lines.push("left out: tension (a wheel lifts off), friction, damping and mass".into());
         lines.iter().map(|line| plain(line)).collect()
     }
-}
-
-/// The form of a law.
-pub(super) fn form_of(law: &NormalLaw) -> Form {
-    NormalLawRecord::from(law).form()
 }
 
 /// A law in N and m, F the force and x the displacement.

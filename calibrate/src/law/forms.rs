@@ -8,31 +8,6 @@ use super::steps_fit::{LEAST_LOADS_OF_STEPS, fit_steps};
 use super::table::TableLaw;
 use railspring_profiles::error::Result;
 
-/// How a law is written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Form {
-    /// `k = a + b·(f/f0)^c`, the published form ([`StiffnessLaw`]).
-    Power,
-    /// A power and a linear spring in series ([`SeriesLaw`](super::SeriesLaw)).
-    Series,
-    /// Two powers with a step between ([`StepLaw`](super::StepLaw)).
-    Steps,
-    /// The tangents themselves ([`TableLaw`]).
-    Table,
-}
-
-impl Form {
-    /// Its name in files and options.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Power => "power",
-            Self::Series => "series",
-            Self::Steps => "steps",
-            Self::Table => "table",
-        }
-    }
-}
-
 /// How far a law is from the solid at a load, each over the value of the solid there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OffAt {
@@ -48,8 +23,6 @@ pub struct OffAt {
 /// A law of one form, and how far it is off.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FormFit {
-    /// The form.
-    pub form: Form,
     /// The law.
     pub law: NormalLaw,
     /// By load, ascending.
@@ -63,13 +36,12 @@ pub struct FormFit {
 /// Those of the fits.
 pub fn fit_forms(solid: &[Solid], power: StiffnessLaw) -> Result<Vec<FormFit>> {
     check_solid(solid)?;
-    let mut laws: Vec<(Form, NormalLaw)> =
-        vec![(Form::Power, power.into()), (Form::Series, fit_series(solid)?.into())];
+    let mut laws: Vec<NormalLaw> = vec![power.into(), fit_series(solid)?.into()];
     if solid.len() >= LEAST_LOADS_OF_STEPS {
-        laws.push((Form::Steps, fit_steps(solid)?.into()));
+        laws.push(fit_steps(solid)?.into());
     }
-    laws.push((Form::Table, TableLaw::of_solid(solid)?.into()));
-    Ok(laws.into_iter().map(|(form, law)| FormFit { form, off: off(&law, solid), law }).collect())
+    laws.push(TableLaw::of_solid(solid)?.into());
+    Ok(laws.into_iter().map(|law| FormFit { off: off(&law, solid), law }).collect())
 }
 
 /// How far `law` is off at each load of the solid.

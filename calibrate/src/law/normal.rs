@@ -5,6 +5,34 @@ use super::series::SeriesLaw;
 use super::steps::StepLaw;
 use super::table::TableLaw;
 use railspring_profiles::error::Result;
+use serde::Deserialize;
+
+/// How a law is written: the published form where nothing is said.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Form {
+    /// `k = a + b·(f/f0)^c`, the published form ([`StiffnessLaw`]).
+    #[default]
+    Power,
+    /// A power and a linear spring in series ([`SeriesLaw`]).
+    Series,
+    /// Two powers with a step between ([`StepLaw`]).
+    Steps,
+    /// The tangents themselves ([`TableLaw`]).
+    Table,
+}
+
+impl Form {
+    /// Its name in files and options.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Power => "power",
+            Self::Series => "series",
+            Self::Steps => "steps",
+            Self::Table => "table",
+        }
+    }
+}
 
 /// Tangent stiffness against force.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,6 +72,16 @@ impl From<TableLaw> for NormalLaw {
 }
 
 impl NormalLaw {
+    /// The form in which it is written.
+    pub fn form(&self) -> Form {
+        match self {
+            Self::Power(_) => Form::Power,
+            Self::Series(_) => Form::Series,
+            Self::Steps(_) => Form::Steps,
+            Self::Table(_) => Form::Table,
+        }
+    }
+
     /// Whether it is a law at all: the fields of a power law are open.
     ///
     /// # Errors

@@ -1,4 +1,4 @@
-use super::super::{SeriesLaw, StepConstants, StepLaw};
+use super::super::{Form, SeriesLaw, StepConstants, StepLaw};
 use super::*;
 
 /// Rounding of some thousand operations, relative.
@@ -139,7 +139,7 @@ fn a_law_is_found_again() {
         let power = fit_law_of(&solid);
         let form = if matches!(law, NormalLaw::Series(_)) { Form::Series } else { Form::Steps };
         let fits = fit_forms(&solid, power).unwrap();
-        let found = fits.iter().find(|fit| fit.form == form).unwrap();
+        let found = fits.iter().find(|fit| fit.law.form() == form).unwrap();
         assert!(
             largest(&found.off).iter().all(|off| *off < SETTLED),
             "{:?} {:?}",
@@ -172,7 +172,7 @@ fn fit_law_of(solid: &[Solid]) -> StiffnessLaw {
 fn the_law_with_a_step_follows_s1002_on_60e1() {
     let solid = s1002();
     let fits = fit_forms(&solid, fit_law_of(&solid)).unwrap();
-    let of = |form: Form| largest(&fits.iter().find(|fit| fit.form == form).unwrap().off);
+    let of = |form: Form| largest(&fits.iter().find(|fit| fit.law.form() == form).unwrap().off);
     let near = |form: Form, expected: [f64; 2]| {
         let found = of(form);
         for n in 0..2 {
@@ -209,11 +209,14 @@ fn stiffness_that_falls_is_a_constant() {
         .collect();
     let fits = fit_forms(&falling, fit_law_of(&falling)).unwrap();
     let constant = |law: &NormalLaw| law.tangent(1e3) / law.tangent(180e3) - 1.0;
-    for fit in fits.iter().filter(|fit| fit.form != Form::Table) {
+    for fit in fits.iter().filter(|fit| fit.law.form() != Form::Table) {
         assert!(constant(&fit.law).abs() < 1e-2, "{:?}", fit.law);
     }
     let few = fit_forms(&falling[..7], fit_law_of(&falling[..7])).unwrap();
-    assert_eq!(few.iter().map(|fit| fit.form).collect::<Vec<_>>(), [Form::Power, Form::Series, Form::Table]);
+    assert_eq!(
+        few.iter().map(|fit| fit.law.form()).collect::<Vec<_>>(),
+        [Form::Power, Form::Series, Form::Table]
+    );
 }
 
 /// Goal: constants that are no law are refused, with the key and what a law has.

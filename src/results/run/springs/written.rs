@@ -1,5 +1,6 @@
 //! A law as a person writes it.
 
+use railspring_calibrate::law::Form;
 use railspring_profiles::error::{InputError, Result};
 use serde::Deserialize;
 
@@ -11,7 +12,7 @@ use crate::results::springs::law::LawConstants;
 #[serde(deny_unknown_fields)]
 pub(super) struct WrittenLaw {
     #[serde(default)]
-    pub form: WrittenForm,
+    pub form: Form,
     pub a_kn_per_m: Option<f64>,
     pub b_kn_per_m: Option<f64>,
     pub c: Option<f64>,
@@ -29,35 +30,13 @@ pub(super) struct WrittenLaw {
     pub range_kn: Option<[f64; 2]>,
 }
 
-/// The form of a law in a file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub(super) enum WrittenForm {
-    #[default]
-    Power,
-    Series,
-    Steps,
-    Table,
-}
-
-impl WrittenForm {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Power => "power",
-            Self::Series => "series",
-            Self::Steps => "steps",
-            Self::Table => "table",
-        }
-    }
-
-    /// The keys that its law has; a linear spring may be left out.
-    fn keys(self) -> &'static [&'static str] {
-        match self {
-            Self::Power => &["a_kn_per_m", "b_kn_per_m", "c", "f0_kn"],
-            Self::Series => &["b_kn_per_m", "c", "f0_kn", "s_kn_per_m"],
-            Self::Steps => &["b_kn_per_m", "c", "f0_kn", "f1_kn", "p", "d", "e"],
-            Self::Table => &["table_kn_and_kn_per_m", "exponent_below"],
-        }
+/// The keys that a law of a form has; a linear spring may be left out.
+fn keys(form: Form) -> &'static [&'static str] {
+    match form {
+        Form::Power => &["a_kn_per_m", "b_kn_per_m", "c", "f0_kn"],
+        Form::Series => &["b_kn_per_m", "c", "f0_kn", "s_kn_per_m"],
+        Form::Steps => &["b_kn_per_m", "c", "f0_kn", "f1_kn", "p", "d", "e"],
+        Form::Table => &["table_kn_and_kn_per_m", "exponent_below"],
     }
 }
 
@@ -88,7 +67,7 @@ impl WrittenLaw {
             if good { Ok(value) } else { Err(wrong(name, key, value, "a number from 0 to below 1").into()) }
         };
         Ok(match self.form {
-            WrittenForm::Power => {
+            Form::Power => {
                 let a_kn_per_m = at_least_0("a_kn_per_m", self.a_kn_per_m)?;
                 let b_kn_per_m = at_least_0("b_kn_per_m", self.b_kn_per_m)?;
                 let c = exponent("c", self.c)?;
@@ -99,13 +78,13 @@ impl WrittenLaw {
                 let f0_kn = positive("f0_kn", self.f0_kn)?;
                 NormalLawRecord::Power(LawConstants { a_kn_per_m, b_kn_per_m, c, f0_kn })
             }
-            WrittenForm::Series => NormalLawRecord::Series(SeriesConstants {
+            Form::Series => NormalLawRecord::Series(SeriesConstants {
                 b_kn_per_m: positive("b_kn_per_m", self.b_kn_per_m)?,
                 c: exponent("c", self.c)?,
                 f0_kn: positive("f0_kn", self.f0_kn)?,
                 s_kn_per_m: self.s_kn_per_m.map(|s| positive("s_kn_per_m", Some(s))).transpose()?,
             }),
-            WrittenForm::Steps => NormalLawRecord::Steps(StepsConstants {
+            Form::Steps => NormalLawRecord::Steps(StepsConstants {
                 b_kn_per_m: positive("b_kn_per_m", self.b_kn_per_m)?,
                 c: exponent("c", self.c)?,
                 f0_kn: positive("f0_kn", self.f0_kn)?,
@@ -114,7 +93,7 @@ impl WrittenLaw {
                 d: at_least_0("d", self.d)?,
                 e: exponent("e", self.e)?,
             }),
-            WrittenForm::Table => {
+            Form::Table => {
                 let table_kn_and_kn_per_m = self.table_kn_and_kn_per_m.clone().ok_or_else(|| {
                     let expected = "pairs of force, kN, and tangent stiffness, kN/m";
                     InputError::new(
@@ -147,7 +126,7 @@ impl WrittenLaw {
             ("table_kn_and_kn_per_m", table),
             ("exponent_below", self.exponent_below),
         ];
-        let keys = self.form.keys();
+        let keys = keys(self.form);
         let Some((key, _)) = constants.iter().find(|(key, value)| value.is_some() && !keys.contains(key))
         else {
             return Ok(());
