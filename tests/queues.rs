@@ -9,6 +9,7 @@ use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
 
 use crate::tables::Place;
 use railspring::python::Python;
@@ -17,9 +18,9 @@ use railspring_profiles::monitor::Silent;
 const TABLE: &str = "name = \"fleet\"\nbase = \"base.toml\"\nshifts_mm = [0, 2]\nstiffness_at_kn = [20, 60]\n\
     [[wheel]]\nname = \"worn\"\nprofile_file = \"worn.whl\"\nstandard = \"S1002\"\n[[rail]]\nprofile = \"60E1\"\n";
 
-/// Starts a job, and says its number as Slurm does.
-const SBATCH: &str =
-    "#!/bin/sh\nsh \"$1\" > \"$0.$$.log\" 2>&1 &\necho $! >> \"$0.jobs\"\necho \"Submitted batch job $!\"\n";
+/// Starts a job, and says its number as Slurm does. Like Slurm it keeps its own copy of the script: the one that it is given is removed as soon as it has answered.
+const SBATCH: &str = "#!/bin/sh\ncp \"$1\" \"$0.$$.sh\"\nsh \"$0.$$.sh\" > \"$0.$$.log\" 2>&1 &\n\
+    echo $! >> \"$0.jobs\"\necho \"Submitted batch job $!\"\n";
 /// Ends a job.
 const SCANCEL: &str = "#!/bin/sh\necho \"$1\" >> \"$0.jobs\"\nkill \"$1\"\n";
 
@@ -132,14 +133,18 @@ fn a_queue_starts_the_workers_of_a_table() {
     place.write("fleet.toml", TABLE);
     place.write("cluster.py", &example);
     let search = std::env::var("PATH").unwrap_or_default();
-    let run = |command: &mut Command| {
-        let command = command.current_dir(place.0.path()).env("RAILSPRING_CACHE", cache).stdin(Stdio::null());
+    // a queue that starts no job is waited for without end; here that is a failure
+    let run = |command: Command| {
+        let mut command = assert_cmd::Command::from_std(command);
+        command.current_dir(place.0.path()).env("RAILSPRING_CACHE", cache).timeout(Duration::from_secs(300));
         succeeded(command.output().unwrap())
     };
-    run(Command::new(&python)
-        .args(["-I", "cluster.py"])
-        .env("PATH", format!("{}:{search}", commands.display())));
-    run(Command::new(program).args(["table", "fleet.toml", "-o", "alone", "--cache", "store-alone", "-q"]));
+    let mut example = Command::new(&python);
+    example.args(["-I", "cluster.py"]).env("PATH", format!("{}:{search}", commands.display()));
+    run(example);
+    let mut alone = Command::new(program);
+    alone.args(["table", "fleet.toml", "-o", "alone", "--cache", "store-alone", "-q"]);
+    run(alone);
     assert!(place.files("out/fleet") == place.files("alone"));
     let jobs = |name: &str| -> BTreeSet<String> {
         let text = std::fs::read_to_string(commands.join(format!("{name}.jobs"))).unwrap();
