@@ -7,21 +7,22 @@ mod grid;
 mod fine;
 mod pressed;
 mod candidates;
+mod refined;
+mod patch;
 mod press;
 
 pub use far_field::Solids;
 pub use fine::{Displaced, FineContact, widened};
 pub use grid::{cell_for, too_coarse, touches_border, widths};
+pub use patch::{Patch, PatchBand, PatchValues, PeakBand, Region, regions};
 pub use pressed::{ContactField, DOWNWARDS, Enforcement, Pressed, WheelOnRail};
 pub use pressed::{carry_over, edge_reached};
 pub use zone::{Change, Placed, Places, Zone, distance};
 
-use crate::contact::{
-    BodyCompliance, Compliance, ContactPoint, HalfSpace, PointMode, Side, hub_response, total,
-};
+use crate::contact::{BodyCompliance, Compliance, HalfSpace, PointMode, Side, hub_response, total};
 use crate::law::{FormFit, LawFit, Solid, fit_forms, fit_law};
 use faer::Mat;
-use nalgebra::{DVector, Matrix2, Vector2, Vector3};
+use nalgebra::{DVector, Matrix2, Vector3};
 use railspring_profiles::error::{Error, InputError, NumericsError, Result, StopReason};
 use railspring_profiles::field::InputField;
 use railspring_profiles::monitor::Monitor;
@@ -60,14 +61,6 @@ pub struct LoadPoint {
     pub displacement: f64,
     /// Tangent stiffness of the solid along that direction by the reference, N/m.
     pub solid_tangent: f64,
-    /// Area that carries pressure, m².
-    pub contact_area: f64,
-    /// Largest nodal pressure, Pa.
-    pub max_pressure: f64,
-    /// Semi-axis of the patch along the track, m: that of the Hertz ellipse with the same second moment of pressure.
-    pub semi_axis_along: f64,
-    /// Semi-axis of the patch across the track, m.
-    pub semi_axis_across: f64,
     /// Share of the tangent compliance, m/N: both half-spaces under the same change of pressure (and the penalty springs).
     pub local_compliance: f64,
     /// Share of the wheel beyond its half-space, m/N.
@@ -239,7 +232,7 @@ fn press_each(
     Ok((states, None))
 }
 
-/// Displacement, tangent stiffness and patch of the states of [`press_loads`]. With the reference `beam` the rail's
+/// Displacement and tangent stiffness of the states of [`press_loads`]. With the reference `beam` the rail's
 /// compliance must be that against its section; with `local` the compliance of the bodies beyond their half-spaces,
 /// which the load hardly changes, is integrated over the loads.
 ///
@@ -305,7 +298,6 @@ pub fn load_point(wheel_on_rail: &WheelOnRail, state: &Pressed) -> Result<LoadPo
     };
     let local = near + penalty;
     let forces = &state.solution.forces[..state.points.len()];
-    let patch = patch(state);
     let penetration = match wheel_on_rail.enforcement {
         Enforcement::Exact => 0.0,
         Enforcement::Penalty(stiffness) => forces.iter().map(|f| f / stiffness).fold(0.0, f64::max),
@@ -315,10 +307,6 @@ pub fn load_point(wheel_on_rail: &WheelOnRail, state: &Pressed) -> Result<LoadPo
         force: state.load,
         displacement,
         solid_tangent: tangent,
-        contact_area: patch.area,
-        max_pressure: patch.max_pressure,
-        semi_axis_along: patch.semi_axis_along,
-        semi_axis_across: patch.semi_axis_across,
         local_compliance: local,
         wheel_compliance: wheel,
         rail_compliance: rail,
@@ -365,76 +353,6 @@ fn sliding(wheel_on_rail: &WheelOnRail, state: &Pressed, change: &[f64], hub: f6
         in_direction(1) + in_direction(2)
     };
     (0..n).filter(slides).map(work).sum()
-}
-
-/// Size of a contact patch.
-pub struct Patch {
-    /// Area that carries pressure, m².
-    pub area: f64,
-    /// Largest nodal pressure, Pa.
-    pub max_pressure: f64,
-    /// Semi-axis along the track, m.
-    pub semi_axis_along: f64,
-    /// Semi-axis across the track, m.
-    pub semi_axis_across: f64,
-}
-
-/// Measures the patch of a state. The pressure of a Hertz ellipse has the second moment a²/5 about
-/// its centre; that of a bilinear nodal pressure adds a sixth of its width squared.
-pub fn patch(state: &Pressed) -> Patch {
-    let points = &state.points;
-    let forces = &state.solution.forces[..points.len()];
-    let sum: f64 = forces.iter().sum();
-    let mean = |value: &dyn Fn(&ContactPoint) -> f64| {
-        forces.iter().zip(points).map(|(f, point)| f * value(point)).sum::<f64>() / sum
-    };
-    let semi_axis = |axis: usize| {
-        let centre = mean(&|point| point.position[axis]);
-        let moment =
-            mean(&|point| (point.position[axis] - centre).powi(2) + point.widths[axis].powi(2) / 6.0);
-        (5.0 * moment).sqrt()
-    };
-    let carrying = points.iter().zip(&state.solution.modes).filter(|(_, mode)| **mode != PointMode::Open);
-    Patch {
-        area: match state.fine() {
-            Some(fine) => grid::area(&fine.lattice, points, forces),
-            None => carrying.map(|(point, _)| point.area).sum(),
-        },
-        max_pressure: forces.iter().zip(points).map(|(f, point)| f / point.area).fold(0.0, f64::max),
-        semi_axis_across: semi_axis(0),
-        semi_axis_along: semi_axis(1),
-    }
-}
-
-/// Contact between lines along the track that carry nothing.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Region {
-    /// Normal force, N.
-    pub force: f64,
-    /// Mean normal out of the rail, world (y, z).
-    pub normal: Vector2<f64>,
-}
-
-/// The regions of contact beside each other across the track.
-pub fn regions(state: &Pressed) -> Vec<Region> {
-    // between points of a fine grid, lines beside a patch may stay without load
-    let apart = if state.fine().is_some() { 2 } else { 1 };
-    let forces = &state.solution.forces[..state.points.len()];
-    let mut regions: Vec<Region> = Vec::new();
-    let mut last = None;
-    for (point, force) in state.points.iter().zip(forces).filter(|(_, force)| **force > 0.0) {
-        let line = point.index.0;
-        match (last, regions.last_mut()) {
-            (Some(before), Some(region)) if line <= before + apart => {
-                region.force += force;
-                region.normal += point.normal * *force;
-            }
-            _ => regions.push(Region { force: *force, normal: point.normal * *force }),
-        }
-        last = Some(line);
-    }
-    regions.iter_mut().for_each(|region| region.normal = region.normal.normalize());
-    regions
 }
 
 fn quadratic(matrix: &Mat<f64>, vector: &[f64]) -> f64 {

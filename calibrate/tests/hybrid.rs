@@ -5,8 +5,8 @@ use faer::Mat;
 use nalgebra::{Point2, Point3, Vector2};
 use railspring_calibrate::analytic::hertz::point_contact;
 use railspring_calibrate::calibration::{
-    ContactField, DOWNWARDS, Enforcement, LoadPoint, Pressed, Reference, WheelOnRail, load_points,
-    press_loads,
+    ContactField, DOWNWARDS, Enforcement, LoadPoint, PatchValues, Pressed, Reference, WheelOnRail,
+    load_points, press_loads,
 };
 use railspring_calibrate::contact::{Side, Surface};
 use railspring_calibrate::mesh::{BlockOptions, HexMesh, MeshOptions, SurfaceGrid, mesh_block};
@@ -26,14 +26,14 @@ use std::time::Instant;
 const MATERIAL: Material = Material { young: 209.92e9, poisson: 0.28, ..Material::STEEL };
 
 /// S1002 with a rolling radius of 460 mm on UIC60.
-fn pair(lateral_shift: f64) -> Pair {
+pub(super) fn pair(lateral_shift: f64) -> Pair {
     let track = TrackGeometry { lateral_shift, ..TrackGeometry::standard() };
     let (rail, wheel) = (rail_section("UIC60"), wheel_section("S1002", 0.92));
     Pair::new(rail.unwrap(), wheel.unwrap(), &track).unwrap()
 }
 
 /// Both bodies condensed, the rail's foot held; they do not depend on the shift.
-struct Bodies {
+pub(super) struct Bodies {
     rail: Superelement<'static>,
     wheel: Superelement<'static>,
     meshes: &'static PairMeshes,
@@ -64,7 +64,12 @@ fn bodies() -> &'static Bodies {
     BODIES.get_or_init(|| condensed(&MeshOptions::default()))
 }
 
-fn on<'a>(bodies: &'a Bodies, pair: &'a Pair, friction: f64, field: ContactField) -> WheelOnRail<'a> {
+pub(super) fn on<'a>(
+    bodies: &'a Bodies,
+    pair: &'a Pair,
+    friction: f64,
+    field: ContactField,
+) -> WheelOnRail<'a> {
     let [rail, wheel] =
         [(&bodies.rail, &bodies.meshes.rail), (&bodies.wheel, &bodies.meshes.wheel)].map(|(body, mesh)| {
             ContactBody { compliance: &body.compliance, grid: &mesh.contact, material: MATERIAL }
@@ -74,10 +79,29 @@ fn on<'a>(bodies: &'a Bodies, pair: &'a Pair, friction: f64, field: ContactField
 }
 
 fn press(wheel_on_rail: &WheelOnRail, loads: &[f64], reference: Reference) -> Vec<LoadPoint> {
+    press_and_measure(wheel_on_rail, loads, reference, |_| ()).into_iter().map(|(point, ())| point).collect()
+}
+
+/// Loads with their patches.
+fn patches(
+    wheel_on_rail: &WheelOnRail,
+    loads: &[f64],
+    reference: Reference,
+) -> Vec<(LoadPoint, PatchValues)> {
+    press_and_measure(wheel_on_rail, loads, reference, |state| wheel_on_rail.patch(state).unwrap().values)
+}
+
+fn press_and_measure<M>(
+    wheel_on_rail: &WheelOnRail,
+    loads: &[f64],
+    reference: Reference,
+    measure: impl Fn(&Pressed) -> M,
+) -> Vec<(LoadPoint, M)> {
     let clock = Instant::now();
     let states = press_loads(wheel_on_rail, loads, "press", &Silent).unwrap();
     println!("{} loads in {:.2} s", loads.len(), clock.elapsed().as_secs_f64());
-    load_points(wheel_on_rail, &states, reference).unwrap()
+    let points = load_points(wheel_on_rail, &states, reference).unwrap();
+    points.into_iter().zip(states.iter().map(measure)).collect()
 }
 
 /// Rows `[force N, approach mm, tangent N/mm, area mm², largest pressure MPa]` of one set of the half-space program's table.
@@ -96,12 +120,12 @@ impl HalfSpaceTable {
     }
 
     /// Ours over theirs: approach, tangent, area, largest pressure.
-    fn ratios(&self, p: &LoadPoint) -> [f64; 4] {
+    fn ratios(&self, p: &LoadPoint, patch: &PatchValues) -> [f64; 4] {
         let rows = &self.0;
         let i = rows.partition_point(|r| r[0] < p.force).clamp(1, rows.len() - 1);
         let t = (p.force - rows[i - 1][0]) / (rows[i][0] - rows[i - 1][0]);
         let units = [1e-3, 1e3, 1e-6, 1e6];
-        let ours = [p.displacement, p.solid_tangent, p.contact_area, p.max_pressure];
+        let ours = [p.displacement, p.solid_tangent, patch.area, patch.max_pressure];
         std::array::from_fn(|c| {
             ours[c] / (units[c] * (rows[i - 1][c + 1] + t * (rows[i][c + 1] - rows[i - 1][c + 1])))
         })
@@ -125,9 +149,9 @@ fn the_local_law_is_that_of_a_half_space_program() {
     {
         let Some(table) = HalfSpaceTable::read(set) else { return };
         let pair = pair(lateral_shift);
-        let points = press(&on(bodies(), &pair, 0.0, ContactField::Hybrid), &loads, Reference::Local);
-        for p in &points {
-            let ratios = table.ratios(p);
+        let points = patches(&on(bodies(), &pair, 0.0, ContactField::Hybrid), &loads, Reference::Local);
+        for (p, patch) in &points {
+            let ratios = table.ratios(p, patch);
             println!(
                 "{set} {:.0} kN: approach, tangent, area, pressure {ratios:.4?}, {} points",
                 p.force * 1e-3,
@@ -156,6 +180,12 @@ fn rigid_below(depth: f64) -> Bodies {
     supported(meshes, [rail, wheel])
 }
 
+/// Bodies that do not roll under a load that two regions share: rigid from 20 mm below their surfaces on.
+pub(super) fn stiff_bodies() -> &'static Bodies {
+    static BODIES: OnceLock<Bodies> = OnceLock::new();
+    BODIES.get_or_init(|| rigid_below(20e-3))
+}
+
 /// Source: CONTACT 25.2 as above, 3 mm towards the flange, where a second region at the gauge corner carries from 80 kN on.
 /// Goal: what differs there, and at 5 mm, is that rim and head roll and shift load between the regions: with both bodies rigid from
 /// 20 mm below their surfaces on, the tangent of the `local` law is that of the program, whose bodies are half-spaces on rigid ones; at
@@ -164,19 +194,20 @@ fn rigid_below(depth: f64) -> Bodies {
 #[test]
 fn where_two_regions_carry_rim_and_head_roll() {
     const TANGENT: f64 = 0.02;
-    let rigid = rigid_below(20e-3);
+    let rigid = stiff_bodies();
     let local = |bodies: &Bodies, pair: &Pair| {
-        press(&on(bodies, pair, 0.0, ContactField::Hybrid), &[40e3, 80e3, 120e3], Reference::Local)
+        patches(&on(bodies, pair, 0.0, ContactField::Hybrid), &[40e3, 80e3, 120e3], Reference::Local)
     };
     let table = HalfSpaceTable::read(",RIGHT,3,");
     for shift in [3e-3, 5e-3] {
         let pair = pair(shift);
-        for (held, rolling) in local(&rigid, &pair).iter().zip(local(bodies(), &pair)) {
+        for ((held, patch), (rolling, of_rolling)) in local(rigid, &pair).iter().zip(local(bodies(), &pair)) {
             let ratio = rolling.solid_tangent / held.solid_tangent;
             println!("{shift} m, {:.0} kN: rolling over rigid {ratio:.4}", held.force * 1e-3);
             assert!(shift < 5e-3 || ratio < 0.9, "{} N: {ratio}", held.force);
             if let (Some(table), true) = (&table, shift < 5e-3) {
-                let [rigid, free] = [held, &rolling].map(|p| table.ratios(p)[1]);
+                let [rigid, free] =
+                    [(held, patch), (&rolling, &of_rolling)].map(|(p, patch)| table.ratios(p, patch)[1]);
                 println!("  over the half-space program: rigid {rigid:.4}, rolling {free:.4}");
                 assert!((rigid - 1.0).abs() < TANGENT, "{} N: {rigid}", held.force);
             }
@@ -233,17 +264,18 @@ fn a_load_has_one_contact_whatever_was_before() {
     for lateral_shift in [0.0, 6e-3] {
         let pair = pair(lateral_shift);
         let wheel_on_rail = on(bodies(), &pair, 0.0, ContactField::Hybrid);
-        let mut first: Option<LoadPoint> = None;
+        let mut first: Option<(LoadPoint, PatchValues)> = None;
         for before in [&[][..], &[1e3], &[1e3, 3e3, 10e3], &[25e3]] {
             let states = press_loads(&wheel_on_rail, &[before, &[LOAD]].concat(), "press", &Silent).unwrap();
             let state = &states[before.len()];
             let point = load_points(&wheel_on_rail, &states, Reference::Foot).unwrap()[before.len()];
-            let first = *first.get_or_insert(point);
+            let patch = wheel_on_rail.patch(state).unwrap().values;
+            let (first, of_first) = *first.get_or_insert((point, patch));
             let change = [
                 point.displacement / first.displacement - 1.0,
                 point.solid_tangent / first.solid_tangent - 1.0,
-                point.semi_axis_across / first.semi_axis_across - 1.0,
-                point.semi_axis_along / first.semi_axis_along - 1.0,
+                patch.semi_axis_across / of_first.semi_axis_across - 1.0,
+                patch.semi_axis_along / of_first.semi_axis_along - 1.0,
             ];
             println!("{lateral_shift} m after {before:?} N: {} points, {change:?}", state.points.len());
             for (change, accuracy) in change.iter().zip(MODEL) {
@@ -341,14 +373,15 @@ fn a_mesh_of_4_mm_has_the_same_contact() {
     let coarse = condensed(&options);
     let loads = [10e3, 40e3, 85e3];
     let pair = pair(-3e-3);
-    let of =
-        |bodies: &Bodies, reference| press(&on(bodies, &pair, 0.0, ContactField::Hybrid), &loads, reference);
+    let of = |bodies: &Bodies, reference| {
+        patches(&on(bodies, &pair, 0.0, ContactField::Hybrid), &loads, reference)
+    };
     for (reference, limit) in [(Reference::Local, 0.01), (Reference::Foot, 0.03)] {
-        for (a, b) in of(&coarse, reference).iter().zip(of(bodies(), reference)) {
+        for ((a, on_coarse), (b, patch)) in of(&coarse, reference).iter().zip(of(bodies(), reference)) {
             let ratios = [
                 a.displacement / b.displacement,
                 a.solid_tangent / b.solid_tangent,
-                a.contact_area / b.contact_area,
+                on_coarse.area / patch.area,
             ];
             println!("{reference:?} {:.0} kN, 4 mm over 2 mm: {ratios:.4?}", a.force * 1e-3);
             assert!((ratios[0] - 1.0).abs() < limit && (ratios[1] - 1.0).abs() < limit, "{ratios:?}");
@@ -436,15 +469,15 @@ fn a_crowned_wheel_on_an_irregular_mesh_is_hertz() {
             materials: [MATERIAL, stiff],
             along: DOWNWARDS,
         };
-        for p in press(&pressed, &[10e3, 30e3, 60e3], Reference::Local) {
+        for (p, patch) in patches(&pressed, &[10e3, 30e3, 60e3], Reference::Local) {
             // the crown is a hyperbola of this radius at its vertex
             let exact = point_contact(p.force, radius, crown_radius, contact_modulus).unwrap();
             let area = std::f64::consts::PI * exact.semi_axis_x * exact.semi_axis_y;
             let ratios = [
                 p.displacement / exact.approach,
                 p.solid_tangent / exact.tangent_stiffness,
-                p.max_pressure / exact.max_pressure,
-                p.contact_area / area,
+                patch.max_pressure / exact.max_pressure,
+                patch.area / area,
             ];
             println!("off {off} m, {:.0} kN: approach, tangent, pressure, area {ratios:.4?}", p.force * 1e-3);
             for (ratio, limit) in ratios.iter().zip(LIMITS) {

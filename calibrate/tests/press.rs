@@ -2,8 +2,8 @@
 
 use nalgebra::Vector3;
 use railspring_calibrate::calibration::{
-    ContactField, DOWNWARDS, Enforcement, LoadPoint, Reference, WheelOnRail, calibrate_horizontal,
-    calibrate_normal, press_loads,
+    ContactField, DOWNWARDS, Enforcement, LoadPoint, PatchValues, Reference, WheelOnRail,
+    calibrate_horizontal, calibrate_normal, press_loads,
 };
 use railspring_calibrate::contact::{
     FreeDirection, HalfSpace, PairingLimits, Problem, Surface, gaps, hub_response, pair, solve, total,
@@ -49,8 +49,12 @@ impl Bodies {
     }
 }
 
-/// Load points with the foot held, by reference, and the horizontal stiffness at the first load.
-fn press(case: &Case, loads: &[f64], references: &[Reference]) -> (Vec<Vec<LoadPoint>>, f64) {
+/// Load points with the foot held, by reference, the patches, and the horizontal stiffness at the first load.
+fn press(
+    case: &Case,
+    loads: &[f64],
+    references: &[Reference],
+) -> (Vec<Vec<LoadPoint>>, Vec<PatchValues>, f64) {
     let bodies = Bodies::new(case);
     let condense = |mesh, supports: Supports| {
         let system = System::new(mesh, case.material, Formulation::IncompatibleModes, &supports).unwrap();
@@ -87,7 +91,8 @@ fn press(case: &Case, loads: &[f64], references: &[Reference]) -> (Vec<Vec<LoadP
         .map(|&reference| calibrate_normal(&pair, &states, reference).unwrap().points)
         .collect();
     let horizontal = calibrate_horizontal(&pair, &loads[..1], &Silent).unwrap();
-    (points, horizontal.stiffness)
+    let patches = states.iter().map(|state| pair.patch(state).unwrap().values).collect();
+    (points, patches, horizontal.stiffness)
 }
 
 /// Rows `[force N, tangent N/mm, area mm², largest pressure MPa]` of one set of the half-space program's table.
@@ -152,9 +157,9 @@ fn the_local_stiffness_is_that_of_a_half_space_program() {
                 assert!((ratio - 1.0).abs() < limit, "half-spaces, {set} {load} N: {ratios:?}");
             }
         }
-        let (points, _) = press(&case, &loads, &[Reference::Local]);
-        for p in &points[0] {
-            let ratios = table.ratios(p.force, [p.solid_tangent, p.contact_area, p.max_pressure]);
+        let (points, patches, _) = press(&case, &loads, &[Reference::Local]);
+        for (p, patch) in points[0].iter().zip(&patches) {
+            let ratios = table.ratios(p.force, [p.solid_tangent, patch.area, patch.max_pressure]);
             println!("{set} {:.0} kN, solids: tangent, area, largest pressure {ratios:.3?}", p.force * 1e-3);
             for (ratio, limit) in ratios.iter().zip([0.05, 0.20, 0.20]).take(compared) {
                 assert!((ratio - 1.0).abs() < limit, "solids, {set} {} N: {ratios:?}", p.force);
@@ -203,7 +208,7 @@ fn the_foot_stiffness_at_85_kn_is_near_the_published_law() {
             material: Material::STEEL,
             enforcement,
         };
-        let (points, horizontal) = press(&case, &[30e3, 60e3, 85e3, 110e3], &[Reference::Foot]);
+        let (points, _, horizontal) = press(&case, &[30e3, 60e3, 85e3, 110e3], &[Reference::Foot]);
         assert!(horizontal > 1e7 && horizontal < 1e9, "horizontal stiffness {horizontal}");
         points[0][2]
     };

@@ -11,6 +11,7 @@ mod lines_and_arcs;
 mod mesh_depth;
 mod off_centre;
 mod pair;
+mod patch;
 mod press;
 mod press_direction;
 mod profile_files;

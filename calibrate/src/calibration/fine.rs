@@ -68,6 +68,45 @@ impl FineContact {
         (points, Self { lattice, far, hybrid, half_spaces: solids.half_spaces })
     }
 
+    /// The points at `nodes` of another `lattice` (ascending), and their compliance with the far field of this contact; those beyond it are left out.
+    pub(super) fn at_nodes(
+        &self,
+        solids: &Solids,
+        lattice: Lattice,
+        nodes: &[(usize, usize)],
+    ) -> (Vec<ContactPoint>, Self) {
+        let rail = &solids.rail_surface;
+        let mut points = lattice.points(rail, &solids.wheel_surface, nodes);
+        let mut shares = Vec::new();
+        points.retain_mut(|point| {
+            let Some((share, cut)) = self.far.shares(rail, &point.position) else { return false };
+            point.at_edge = cut || at_end(rail.grid, &lattice, &point.position);
+            shares.push(share.map(|(coarse, weight)| {
+                Share::new(coarse, weight, &self.far.points[coarse].normal, &point.normal)
+            }));
+            true
+        });
+        let directions = self.hybrid.rows().checked_div(self.hybrid.points()).unwrap_or(1);
+        let near = NearField::on_grid(lattice.cell, &self.half_spaces, &points, directions);
+        let hybrid = Hybrid::new(near, &self.far.sum, shares, Some(&self.hybrid));
+        (points, Self { lattice, far: self.far.clone(), hybrid, half_spaces: self.half_spaces })
+    }
+
+    /// Displacements of the points of a contact `to` with the same far field, m, by direction and point: those under `forces` on the points of this
+    /// one, less what the half-spaces are.
+    pub(super) fn far_motion(&self, forces: &[f64], to: &Self) -> Vec<f64> {
+        let coarse = crate::superelement::times(&self.far.sum, &self.hybrid.carried(forces));
+        let count = self.far.points.len();
+        let mut motion = vec![0.0; to.hybrid.rows()];
+        to.hybrid.interpolate(|d, point| coarse[d * count + point], &mut motion);
+        motion
+    }
+
+    /// Half-spaces of rail and wheel.
+    pub(super) fn bodies(&self) -> &[HalfSpace] {
+        &self.half_spaces
+    }
+
     /// Compliance of the points.
     pub fn operator(&self) -> &dyn ComplianceOperator {
         &self.hybrid

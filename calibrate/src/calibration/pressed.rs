@@ -3,7 +3,7 @@
 use super::fine::FineContact;
 use crate::contact::{
     BodyCompliance, ComplianceOperator, ContactPoint, HubResponse, PairingLimits, PenaltySprings, Problem,
-    Side, Solution, Subsurface, Surface, nodal_forces, nodes_near, pair, resultant, subsurface, total,
+    Side, Solution, Surface, nodal_forces, nodes_near, pair, resultant, total,
 };
 use crate::solid::Material;
 use crate::superelement::times;
@@ -219,13 +219,6 @@ impl Pressed {
     /// Resultant of the contact forces on the wheel in world axes, N.
     pub fn force_on_wheel(&self) -> Vector3<f64> {
         resultant(&self.points, &self.solution.forces)
-    }
-
-    /// The largest stresses of a half-space below the patch, with the Poisson's ratio of the body; none on the nodes of a mesh, which do not
-    /// resolve the pressure, and without load. Both bodies of one material have the same ones.
-    pub fn subsurface(&self, poisson: f64) -> Option<Subsurface> {
-        self.fine()?;
-        subsurface(&self.points, &self.solution.forces, poisson)
     }
 
     /// Forces on the retained `equations` of one body, N.

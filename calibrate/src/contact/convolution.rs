@@ -10,7 +10,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 /// The kernels of a grid over a rectangle of its lines, in twice the rectangle so that it does not repeat itself.
 pub(super) struct Convolution {
     /// Means between the hats of the grid, by their offset; it reaches over the rectangle.
-    pub table: Arc<HatTable>,
+    pub table: HatTable,
     /// Lines of twice the rectangle along the profile and the track.
     padded: (usize, usize),
     rows: Arc<dyn RealToComplex<f64>>,

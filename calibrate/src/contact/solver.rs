@@ -8,6 +8,7 @@
 //! answer satisfies the conditions of the problem as it is posed, to the same
 //! tolerance.
 
+use super::conjugate_gradients::conjugate_gradients;
 use super::dense::{DenseFactor, is_worth_it};
 use super::iterative::{Factors, Linearised};
 use super::newton::{newton, slip_rows};
@@ -42,6 +43,26 @@ pub fn solve(problem: &Problem, start: &[f64]) -> Result<Solution> {
 /// As [`solve`], one of a sequence of problems of which each is little different from the one before: its `factors` serve the next.
 pub fn solve_with(problem: &Problem, start: &[f64], factors: &mut Factors) -> Result<Solution> {
     solve_within(problem, start, NEWTON_STEPS, factors)
+}
+
+/// SOLVER: what a step of its point alone changes a force by in [`solve_held`], over the largest force.
+const HELD: f64 = 1e-6;
+
+/// The forces of a `problem` without friction and with the hub held, by products alone from the forces `start`: for many points, of which
+/// no more is wanted than their forces.
+///
+/// # Errors
+/// [`railspring_profiles::error::NumericsError`] as [`solve`].
+pub fn solve_held(problem: &Problem, start: &[f64]) -> Result<Vec<f64>> {
+    let mut state = State::new(problem, start);
+    let steps = conjugate_gradients(&mut state, HELD);
+    state.update_separation();
+    let residual = state.residual().relative;
+    // a number that is none is no small residual
+    if residual < 10.0 * HELD {
+        return Ok(state.forces);
+    }
+    Err(unsolved(&state, residual, steps, StopReason::IterationLimit))
 }
 
 /// As [`solve_with`], with so many steps of a Newton iteration at most.

@@ -4,8 +4,8 @@ use super::geometry::{Pair, PairMeshes};
 use super::references::ByReference;
 use super::solids::{Orders, PairBody, PairSolids};
 use crate::calibration::{
-    ContactField, DOWNWARDS, Enforcement, HorizontalCalibration, NormalCalibration, Pressed, Reference,
-    WheelOnRail, calibrate_horizontal, calibrate_normal, press_carried,
+    ContactField, DOWNWARDS, Enforcement, HorizontalCalibration, NormalCalibration, Patch, Pressed,
+    Reference, WheelOnRail, calibrate_horizontal, calibrate_normal, press_carried,
 };
 use crate::law::LEAST_LOADS;
 use crate::mesh::SurfaceGrid;
@@ -301,6 +301,14 @@ impl PressedPair<'_> {
             Reference::Beam | Reference::Local => Ok(&self.states.on_section),
             Reference::Foot => self.states.on_foot.as_deref().ok_or_else(|| no_foot().into()),
         }
+    }
+
+    /// The patches of these states.
+    ///
+    /// # Errors
+    /// As [`Self::states`] and [`WheelOnRail::patch`](crate::calibration::WheelOnRail::patch).
+    pub fn patches(&self, reference: Reference) -> Result<Vec<Patch>> {
+        self.wheel_on_rail(reference)?.patches(self.states(reference)?)
     }
 
     /// Why there are states only up to the load before the largest wanted ones, if so.

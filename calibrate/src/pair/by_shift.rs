@@ -8,10 +8,9 @@ use super::bodies::{CondensedPair, ContactConditions, Laws};
 use super::geometry::Pair;
 use super::references::ByReference;
 use crate::calibration::{
-    DOWNWARDS, LoadPoint, NormalCalibration, Pressed, Reference, Region, Sticking, WheelOnRail, load_point,
-    regions, sticking_flexibility, subtract_bodies,
+    DOWNWARDS, LoadPoint, NormalCalibration, Patch, PatchBand, PatchValues, Pressed, Reference, Region,
+    Sticking, WheelOnRail, load_point, regions, sticking_flexibility, subtract_bodies,
 };
-use crate::contact::Subsurface;
 use crate::law::LEAST_LOADS;
 use nalgebra::{Matrix2, Point2, Unit, Vector2};
 use railspring_profiles::error::{Error, InputError, Result};
@@ -114,7 +113,7 @@ impl AngleLaw {
 /// The solid under a fixed load.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FixedLoad {
-    /// Displacement, tangent and patch with every reference.
+    /// Displacement and tangent with every reference.
     pub points: ByReference<LoadPoint>,
     /// Displacements y and z of the hub against the section under small further forces, all points sticking, m/N; world axes.
     pub flexibility: Matrix2<f64>,
@@ -125,8 +124,10 @@ pub struct FixedLoad {
     pub tangential_stiffness: f64,
     /// Part of the lateral flexibility, `1 / horizontal_stiffness`, that lies in the contact, m/N.
     pub lateral_contact: f64,
-    /// The largest stresses below the patch, the rail's section held; none for a contact between elements.
-    pub subsurface: Option<Subsurface>,
+    /// The patch, the rail's section held.
+    pub patch: PatchValues,
+    /// What its values are worth; none for a contact between elements.
+    pub patch_band: Option<PatchBand>,
     /// The contacts that carry the load: one, or two whose normals are apart. Their normal forces and their normals out of the rail, world (y, z).
     pub contacts: Vec<Region>,
 }
@@ -243,14 +244,15 @@ fn angle_law(
     let across = Vector2::new(along.y, -along.x);
     let fixed = on_section.fixed.iter().filter(|fixed| fixed.load < carried);
     let fixed = fixed.map(
-        |Fixed { load, sticking: Sticking { flexibility, lateral_contact }, subsurface, contacts }| {
+        |Fixed { load, sticking: Sticking { flexibility, lateral_contact }, patch, patch_band, contacts }| {
             FixedLoad {
                 points: points.map(|points| points[*load]),
                 flexibility: *flexibility,
                 horizontal_stiffness: 1.0 / flexibility[(0, 0)],
                 lateral_contact: *lateral_contact,
                 tangential_stiffness: 1.0 / across.dot(&(flexibility * across)),
-                subsurface: *subsurface,
+                patch: *patch,
+                patch_band: *patch_band,
                 contacts: contacts.clone(),
             }
         },
@@ -282,7 +284,8 @@ struct Fixed {
     /// Its number among all loads.
     load: usize,
     sticking: Sticking,
-    subsurface: Option<Subsurface>,
+    patch: PatchValues,
+    patch_band: Option<PatchBand>,
     contacts: Vec<Region>,
 }
 
@@ -297,7 +300,6 @@ impl Sequence {
         reference: Reference,
         going_on: &dyn Fn() -> Result<()>,
     ) -> Result<Self> {
-        let poisson = wheel_on_rail.materials[0].poisson;
         let mut sequence = Self { points: Vec::new(), fixed: Vec::new(), shared_from: None, ended: None };
         let mut before: Option<Pressed> = None;
         let loads = loads_in_turn(settings.loads, settings.fixed_loads);
@@ -311,8 +313,8 @@ impl Sequence {
                 }
                 if reference == Reference::Beam && settings.fixed_loads.contains(&load) {
                     let sticking = sticking_flexibility(wheel_on_rail, &state)?;
-                    let subsurface = state.subsurface(poisson);
-                    sequence.fixed.push(Fixed { load: i, sticking, subsurface, contacts });
+                    let Patch { values: patch, band: patch_band, .. } = wheel_on_rail.patch(&state)?;
+                    sequence.fixed.push(Fixed { load: i, sticking, patch, patch_band, contacts });
                 }
                 sequence.points.push(point);
                 Ok(state)

@@ -75,6 +75,14 @@ fn columns<'a>() -> Vec<Column<At<'a>>> {
         "max_shear_mpa", "Largest shear stress below the patch, MPa; none for a contact between elements",
             |at| at.load?.max_shear_mpa;
         "shear_depth_mm", "Its depth, mm", |at| at.load?.shear_depth_mm;
+        "contact_area_rel_error_band", "Half width of the error band of the contact area, relative: its change from cells twice as large; none for a contact between elements",
+            |at| Some(at.load?.patch_error_band?.contact_area);
+        "max_pressure_rel_error_band", "The same of the largest pressure", |at| Some(at.load?.patch_error_band?.max_pressure);
+        "von_mises_rel_error_band", "The same of the largest von Mises stress",
+            |at| Some(at.load?.patch_error_band?.von_mises);
+        "von_mises_depth_rel_error_band", "The same of its depth", |at| Some(at.load?.patch_error_band?.von_mises_depth);
+        "shear_rel_error_band", "The same of the largest shear stress", |at| Some(at.load?.patch_error_band?.shear);
+        "shear_depth_rel_error_band", "The same of its depth", |at| Some(at.load?.patch_error_band?.shear_depth);
         "local_um_per_kn", "Part of the tangent compliance in the contact itself, µm/kN",
             |at| Some(at.point?.local_um_per_kn);
         "wheel_um_per_kn", "Part of the wheel body, µm/kN; none in `local`", |at| at.point?.wheel_um_per_kn;

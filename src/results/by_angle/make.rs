@@ -22,8 +22,8 @@ use crate::results::bodies::places::{loads_by_angle, shifts, tape_y};
 use crate::results::by_angle::element::{ElementRecord, HubDeviationRecord};
 use crate::results::by_angle::input::ByAngleInput;
 use crate::results::by_angle::record::{
-    AngleLawRecord, ContactRecord, FixedLoadRecord, FixedReferenceRecord, ShiftRecord, ShiftTouchRecord,
-    StiffnessByAngleRecord,
+    AngleLawRecord, ContactRecord, FixedLoadRecord, FixedReferenceRecord, PatchBandRecord, ShiftRecord,
+    ShiftTouchRecord, StiffnessByAngleRecord,
 };
 use crate::results::springs::band_record::ErrorBandRecord;
 use crate::results::springs::error_band::band_record;
@@ -359,7 +359,7 @@ fn load_record(fixed: &FixedLoad) -> FixedLoadRecord {
         }
     };
     let [max_von_mises_mpa, von_mises_depth_mm, max_shear_mpa, shear_depth_mm] =
-        subsurface_values(fixed.subsurface.as_ref());
+        subsurface_values(&fixed.patch);
     FixedLoadRecord {
         force_kn: beam.force / KILONEWTON,
         references: fixed.points.iter().map(reference).collect(),
@@ -372,13 +372,21 @@ fn load_record(fixed: &FixedLoad) -> FixedLoadRecord {
         horizontal_kn_per_m: fixed.horizontal_stiffness / KILONEWTON_PER_METRE,
         tangential_kn_per_m: fixed.tangential_stiffness / KILONEWTON_PER_METRE,
         lateral_contact_um_per_kn: Some(fixed.lateral_contact / MICROMETRE_PER_KILONEWTON),
-        contact_area_mm2: beam.contact_area / SQUARE_MILLIMETRE,
-        max_pressure_mpa: beam.max_pressure / MEGAPASCAL,
-        semi_axis_along_mm: beam.semi_axis_along / MILLIMETRE,
-        semi_axis_across_mm: beam.semi_axis_across / MILLIMETRE,
+        contact_area_mm2: fixed.patch.area / SQUARE_MILLIMETRE,
+        max_pressure_mpa: fixed.patch.max_pressure / MEGAPASCAL,
+        semi_axis_along_mm: fixed.patch.semi_axis_along / MILLIMETRE,
+        semi_axis_across_mm: fixed.patch.semi_axis_across / MILLIMETRE,
         max_von_mises_mpa,
         von_mises_depth_mm,
         max_shear_mpa,
         shear_depth_mm,
+        patch_error_band: fixed.patch_band.map(|band| PatchBandRecord {
+            contact_area: band.area,
+            max_pressure: band.max_pressure,
+            von_mises: band.mises.stress,
+            von_mises_depth: band.mises.depth,
+            shear: band.shear.stress,
+            shear_depth: band.shear.depth,
+        }),
     }
 }

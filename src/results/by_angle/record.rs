@@ -151,12 +151,32 @@ pub struct FixedLoadRecord {
     pub semi_axis_across_mm: f64,
     /// Largest von Mises stress below the patch, MPa, of a half-space; none for a contact between elements, which do not resolve it.
     pub max_von_mises_mpa: Option<f64>,
-    /// Its depth, mm; a quarter of a cell of the fine grid where friction has it at the surface.
+    /// Its depth, mm.
     pub von_mises_depth_mm: Option<f64>,
     /// Largest shear stress below the patch, MPa.
     pub max_shear_mpa: Option<f64>,
     /// Its depth, mm.
     pub shear_depth_mm: Option<f64>,
+    /// What the values of the patch are worth; none for a contact between elements.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub patch_error_band: Option<PatchBandRecord>,
+}
+
+/// Half widths of the error bands of the values of a patch, relative: their changes from cells twice as large.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct PatchBandRecord {
+    /// Of the contact area.
+    pub contact_area: f64,
+    /// Of the largest pressure.
+    pub max_pressure: f64,
+    /// Of the largest von Mises stress.
+    pub von_mises: f64,
+    /// Of its depth.
+    pub von_mises_depth: f64,
+    /// Of the largest shear stress.
+    pub shear: f64,
+    /// Of its depth.
+    pub shear_depth: f64,
 }
 
 impl FixedLoadRecord {

@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use nalgebra::Vector3;
 use railspring_calibrate::calibration::{
-    ContactField, Enforcement, LoadPoint, Pressed, Reference, load_points, press_loads,
+    ContactField, Enforcement, LoadPoint, PatchValues, Pressed, Reference, load_points, press_loads,
 };
 use railspring_calibrate::contact::{BetweenNodes, Side};
 use railspring_calibrate::mesh::HexMesh;
@@ -46,6 +46,8 @@ pub struct AnsweredBody {
 pub struct AnsweredCurve {
     /// The loads.
     pub points: Vec<LoadPoint>,
+    /// Their patches.
+    pub patches: Vec<PatchValues>,
     /// Time of factorisation and all loads, s.
     pub seconds: f64,
 }
@@ -223,7 +225,9 @@ impl<'a> Asked<'a> {
         // hub against support: what the calibration calls the foot's reference, whatever is held
         let states = press_loads(&pair, &self.loads, "calibration, foot held", self.monitor)?;
         let points = load_points(&pair, &states, Reference::Foot)?;
-        Ok((AnsweredCurve { points, seconds: clock.elapsed().as_secs_f64() }, states))
+        let seconds = clock.elapsed().as_secs_f64();
+        let patches = pair.patches(&states)?.iter().map(|patch| patch.values).collect();
+        Ok((AnsweredCurve { points, patches, seconds }, states))
     }
 
     /// The frictionless curve between facets, with the time of the factorisation.

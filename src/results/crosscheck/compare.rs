@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use nalgebra::Vector3;
-use railspring_calibrate::calibration::LoadPoint;
+use railspring_calibrate::calibration::PatchValues;
 use railspring_profiles::error::{InputError, Result};
 use railspring_profiles::input;
 use railspring_profiles::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE, SQUARE_MILLIMETRE};
@@ -313,7 +313,7 @@ fn curve_checks(
         Case::OtherSurface => (DISCRETISATION_SURFACE, DISCRETISATION_NODES),
         Case::SameMesh | Case::SameMeshFriction => (DISCRETISATION_DISPLACEMENT, DISCRETISATION_TANGENT),
     };
-    for (own, theirs) in curve.points.iter().zip(&theirs.rows) {
+    for ((own, patch), theirs) in curve.points.iter().zip(&curve.patches).zip(&theirs.rows) {
         let mut check = |(quantity, unit, factor), (tool, other): (f64, f64), difference, limit| {
             let values = (tool / factor, other / factor);
             let load = Some(own.force);
@@ -337,15 +337,15 @@ fn curve_checks(
         check((TANGENT_STIFFNESS, "kN/m", KILONEWTON_PER_METRE), values, relative(values), limit);
         if case != Case::SecondOrder {
             let quantity = ("contact area, difference in rings of elements", "mm²", SQUARE_MILLIMETRE);
-            let values = (own.contact_area, theirs.area_m2);
-            let rings = (own.contact_area - theirs.area_m2).abs() / (perimeter(own) * contact_element);
+            let values = (patch.area, theirs.area_m2);
+            let rings = (patch.area - theirs.area_m2).abs() / (perimeter(patch) * contact_element);
             check(quantity, values, rings, (DISCRETISATION_RINGS, Cause::Discretisation));
         }
     }
 }
 
 /// Perimeter of the contact ellipse, m (S. Ramanujan's first approximation, 1914).
-fn perimeter(point: &LoadPoint) -> f64 {
-    let (a, b) = (point.semi_axis_along, point.semi_axis_across);
+fn perimeter(patch: &PatchValues) -> f64 {
+    let (a, b) = (patch.semi_axis_along, patch.semi_axis_across);
     std::f64::consts::PI * (3.0 * (a + b) - ((3.0 * a + b) * (a + 3.0 * b)).sqrt())
 }

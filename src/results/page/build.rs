@@ -49,7 +49,7 @@ pub fn build(data: &ReportData<'_>) -> Report {
         collected.add(
             "patch",
             figures::patch(data.load_curve, stiffness.touch.hertz),
-            "Semi-axes of the contact patch and largest pressure in the solid, and of Hertz for the curvatures at the first touch.".into(),
+            "Semi-axes of the contact patch and largest pressure in the solid, with its error band, and of Hertz for the curvatures at the first touch.".into(),
         ),
     ];
     springs.push(collected.add(

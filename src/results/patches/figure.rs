@@ -202,7 +202,7 @@ pub fn fields(record: &PatchesRecord, hertz: Option<HertzRecord>) -> String {
             let text = format!(
                 "{} kN: at most {} MPa",
                 number((patch.force_kn * 10.0).round() / 10.0),
-                number(patch.largest().round())
+                number(patch.max_pressure_mpa.round())
             );
             let style = label(LABEL_TEXT, HPos::Center, VPos::Top);
             root.draw(&Text::new(text, (px(left + layout.panel.0 / 2), px(BAR + 3)), style))?;
@@ -350,8 +350,8 @@ pub fn fields_caption(record: &PatchesRecord, hertz: bool) -> String {
 pub fn below_caption(record: &PatchesRecord) -> String {
     format!(
         "Largest von Mises and shear stress below the contact patch and their depths, over the load; and both over the depth below the \
-         place of the largest von Mises stress, under {}. The depth jumps where the place goes from one part of the patch to another. Elastic half-space of the rail's material under the pressure and the friction of the contact, the same \
-         in a wheel of that material; without bending, residual and thermal stresses.",
+         place of the largest von Mises stress, under {}. The depth jumps where the place goes from one part of the patch to another. Elastic half-space of the rail's material under the pressure of the contact, the same in a wheel of that material; without \
+         friction, bending, residual and thermal stresses.",
         loads(record)
     )
 }
@@ -401,7 +401,17 @@ mod tests {
             .collect();
         let (rail_y_mm, rail_z_mm) = (across_mm.clone(), vec![0.0; across_mm.len()]);
         let force_kn = 50.0;
-        PatchRecord { force_kn, across_mm, rail_y_mm, rail_z_mm, along_mm, pressure_mpa, state, below: None }
+        PatchRecord {
+            force_kn,
+            across_mm,
+            rail_y_mm,
+            rail_z_mm,
+            along_mm,
+            pressure_mpa,
+            state,
+            max_pressure_mpa: 1000.0,
+            below: None,
+        }
     }
 
     fn area(line: &[(f64, f64)]) -> f64 {

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use railspring_calibrate::calibration::Pressed;
-use railspring_calibrate::contact::{ContactPoint, PointMode, Subsurface, stress_below};
+use railspring_calibrate::calibration::{Patch, Pressed};
+use railspring_calibrate::contact::{ContactPoint, Hat, PointMode, Subsurface, stress_below};
 use railspring_calibrate::pair::Pair;
 use railspring_calibrate::solid::{largest_shear, von_mises};
 use railspring_profiles::units::{KILONEWTON, MEGAPASCAL, MILLIMETRE};
@@ -18,8 +18,8 @@ pub(crate) fn chosen(count: usize) -> Vec<usize> {
     chosen
 }
 
-/// The patch of a state as a grid, one line beyond the points that carry load, and the stresses below it.
-pub(crate) fn patch_record(pair: &Pair, state: &Pressed, below: Option<BelowRecord>) -> PatchRecord {
+/// The patch of a state as the grid of its load, one line beyond the points that carry, with what was measured of it; `poisson` is the ratio of the body below.
+pub(crate) fn patch_record(pair: &Pair, state: &Pressed, measured: &Patch, poisson: f64) -> PatchRecord {
     let (points, solution) = (&state.points, &state.solution);
     let carries = |j: &usize| solution.modes[*j] != PointMode::Open;
     // lines of the grid with their coordinates: those of the load and their neighbours, as far away as the width of a point where
@@ -66,7 +66,8 @@ pub(crate) fn patch_record(pair: &Pair, state: &Pressed, below: Option<BelowReco
         along_mm: along.values().map(|x| x / MILLIMETRE).collect(),
         pressure_mpa,
         state: state_of,
-        below,
+        max_pressure_mpa: measured.values.max_pressure / MEGAPASCAL,
+        below: measured.values.below.map(|largest| below_record(pair, &measured.hats, poisson, &largest)),
     }
 }
 
@@ -74,18 +75,15 @@ pub(crate) fn patch_record(pair: &Pair, state: &Pressed, below: Option<BelowReco
 const DEPTHS: u32 = 60;
 const DEEPEST: f64 = 5.0;
 
-/// The stresses under a state below the place where `largest` has its von Mises stress.
-pub(crate) fn below_record(pair: &Pair, state: &Pressed, poisson: f64, largest: &Subsurface) -> BelowRecord {
+/// The stresses of a patch below the place where `largest` has its von Mises stress.
+fn below_record(pair: &Pair, hats: &[Hat], poisson: f64, largest: &Subsurface) -> BelowRecord {
     let place = largest.mises.place;
-    let shallowest = 0.25 * state.points.first().map_or(0.0, |point| point.widths.min());
-    let deepest = DEEPEST * largest.mises.depth.max(4.0 * shallowest);
+    let deepest = DEEPEST * largest.mises.depth;
+    let shallowest = deepest / f64::from(DEPTHS);
     let depths: Vec<f64> = (0..DEPTHS)
         .map(|n| shallowest + (deepest - shallowest) * f64::from(n) / f64::from(DEPTHS - 1))
         .collect();
-    let stresses: Vec<_> = depths
-        .iter()
-        .map(|depth| stress_below(&state.points, &state.solution.forces, poisson, &place, *depth))
-        .collect();
+    let stresses: Vec<_> = depths.iter().map(|depth| stress_below(hats, poisson, &place, *depth)).collect();
     BelowRecord {
         across_mm: (place.x - pair.touch.rail_s) / MILLIMETRE,
         along_mm: place.y / MILLIMETRE,

@@ -40,11 +40,13 @@ pub struct PatchRecord {
     pub pressure_mpa: Vec<Vec<f64>>,
     /// State, by line across and line along.
     pub state: Vec<Vec<PointState>>,
+    /// Largest pressure, MPa; on the fine grid that of finer cells for each region, larger or smaller than that of a point here.
+    pub max_pressure_mpa: f64,
     /// Stresses below the patch; none for a contact between elements, which do not resolve them.
     pub below: Option<BelowRecord>,
 }
 
-/// Stresses of a half-space under the pressure and traction of a patch, below the place with the largest von Mises stress.
+/// Stresses of a half-space under the pressure of a patch, below the place with the largest von Mises stress.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct BelowRecord {
     /// The place, as `across_mm` of the patch.
@@ -72,7 +74,7 @@ pub enum PointState {
 }
 
 impl PatchRecord {
-    /// Largest pressure, MPa.
+    /// Largest pressure of the points, MPa.
     pub fn largest(&self) -> f64 {
         self.pressure_mpa.iter().flatten().copied().fold(0.0, f64::max)
     }

@@ -34,6 +34,7 @@ pub(crate) fn patches() -> PatchesRecord {
                 .map(|row| row.iter().map(|r| largest * (1.0 - r * r).max(0.0).sqrt()).collect())
                 .collect(),
             state: radii.iter().map(|row| row.iter().map(state).collect()).collect(),
+            max_pressure_mpa: largest,
             below: Some(below(a, largest)),
             across_mm,
             along_mm,

@@ -250,6 +250,12 @@ pub(crate) fn load_curve() -> Vec<LoadCurveRow> {
             von_mises_depth_mm: Some(0.6 * p.force_kn.cbrt()),
             max_shear_mpa: Some(82.0 * p.force_kn.cbrt()),
             shear_depth_mm: Some(0.65 * p.force_kn.cbrt()),
+            contact_area_rel_error_band: Some(0.004),
+            max_pressure_rel_error_band: Some(0.02),
+            von_mises_rel_error_band: Some(0.01),
+            von_mises_depth_rel_error_band: Some(0.05),
+            shear_rel_error_band: Some(0.01),
+            shear_depth_rel_error_band: Some(0.05),
         })
         .collect()
 }
@@ -298,6 +304,7 @@ pub(crate) fn by_angle() -> StiffnessByAngleRecord {
         von_mises_depth_mm: Some(2.1),
         max_shear_mpa: Some(390.0),
         shear_depth_mm: Some(2.1),
+        patch_error_band: None,
     };
     let touch = |angle: f64| ShiftTouchRecord {
         contact_angle_deg: angle,

@@ -113,6 +113,17 @@ fn error_bars(
     band.largest().map(|_| reference.points.iter().zip(&band.points).flat_map(bar).collect())
 }
 
+/// The error band of a value as a line through each of its points; empty where there are no bands.
+fn value_bars(rows: &[LoadCurveRow], value: impl Fn(&LoadCurveRow) -> Option<(f64, f64)>) -> Vec<(f64, f64)> {
+    let bar = |row: &LoadCurveRow| {
+        let (value, band) = value(row)?;
+        let (low, high) = (value * (1.0 - band), value * (1.0 + band));
+        // what is not finite parts one bar from the next
+        Some([(row.force_kn, low), (row.force_kn, high), (f64::NAN, f64::NAN)])
+    };
+    rows.iter().filter_map(bar).flatten().collect()
+}
+
 /// Semi-axes and largest pressure of the patch over load, Hertz beside them.
 pub fn patch(rows: &[LoadCurveRow], hertz: Option<HertzRecord>) -> String {
     let of = |value: fn(&LoadCurveRow) -> f64| {
@@ -131,6 +142,8 @@ pub fn patch(rows: &[LoadCurveRow], hertz: Option<HertzRecord>) -> String {
     ];
     let pressure =
         Series::joined("largest pressure", of(|r| r.max_pressure_mpa), DARK, Dash::Solid, Marker::Circle);
+    let bars = value_bars(rows, |row| Some((row.max_pressure_mpa, row.max_pressure_rel_error_band?)));
+    let band = (!bars.is_empty()).then(|| Series::line("its error band", bars, DARK, Dash::Solid));
     let of_axes = [
         of_hertz("Hertz, along", GREY, |h| h.semi_axis_along_mm),
         of_hertz("Hertz, across", ORANGE, |h| h.semi_axis_across_mm),
@@ -148,7 +161,7 @@ pub fn patch(rows: &[LoadCurveRow], hertz: Option<HertzRecord>) -> String {
             Panel::from_zero(
                 "load P, kN",
                 "largest pressure, MPa",
-                of_pressure.into_iter().chain([pressure]).collect(),
+                of_pressure.into_iter().chain([pressure]).chain(band).collect(),
             ),
         ],
     )
@@ -173,18 +186,32 @@ pub fn subsurface(rows: &[LoadCurveRow], patches: &[PatchRecord]) -> Option<Stri
         profiles.push(Series::line(&name, points(&below.von_mises_mpa), color, dash).broad());
         profiles.push(Series::line("", points(&below.shear_mpa), color, dash));
     }
+    let with_bands = |series: [Series; 2], bars: [Vec<(f64, f64)>; 2]| -> Vec<Series> {
+        let looks = [(DARK, "error bands"), (ORANGE, "")];
+        let bars = bars.into_iter().zip(looks).filter(|(bars, _)| !bars.is_empty());
+        let bars = bars.map(|(bars, (color, name))| Series::line(name, bars, color, Dash::Solid));
+        series.into_iter().chain(bars).collect()
+    };
+    let stresses = with_bands(
+        [mises(of(|row| row.max_von_mises_mpa)?), shear(of(|row| row.max_shear_mpa)?)],
+        [
+            value_bars(rows, |row| Some((row.max_von_mises_mpa?, row.von_mises_rel_error_band?))),
+            value_bars(rows, |row| Some((row.max_shear_mpa?, row.shear_rel_error_band?))),
+        ],
+    );
+    let depths = with_bands(
+        [mises(of(|row| row.von_mises_depth_mm)?), shear(of(|row| row.shear_depth_mm)?)],
+        [
+            value_bars(rows, |row| Some((row.von_mises_depth_mm?, row.von_mises_depth_rel_error_band?))),
+            value_bars(rows, |row| Some((row.shear_depth_mm?, row.shear_depth_rel_error_band?))),
+        ],
+    );
     Some(stacked(
         WIDTH,
         220,
         &[
-            over_load(
-                "largest stress, MPa",
-                vec![mises(of(|row| row.max_von_mises_mpa)?), shear(of(|row| row.max_shear_mpa)?)],
-            ),
-            over_load(
-                "its depth, mm",
-                vec![mises(of(|row| row.von_mises_depth_mm)?), shear(of(|row| row.shear_depth_mm)?)],
-            ),
+            over_load("largest stress, MPa", stresses),
+            over_load("its depth, mm", depths),
             Panel::from_zero(
                 "depth below the place of the largest von Mises stress, mm",
                 "stress, MPa",

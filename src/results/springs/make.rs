@@ -5,7 +5,7 @@ use std::sync::Arc;
 use nalgebra::Matrix2;
 use railspring_calibrate::analytic::hertz::point_contact;
 use railspring_calibrate::calibration::{
-    HorizontalCalibration, LoadPoint, NormalCalibration, Pressed, Reference,
+    HorizontalCalibration, LoadPoint, NormalCalibration, Patch, PatchBand, PatchValues, Reference,
 };
 use railspring_calibrate::contact::{Peak, Subsurface};
 use railspring_calibrate::law::LawFit;
@@ -17,7 +17,6 @@ use railspring_profiles::monitor::Monitor;
 use railspring_profiles::units::{
     GIGAPASCAL, KILONEWTON, KILONEWTON_PER_METRE, MEGAPASCAL, MILLIMETRE, SQUARE_MILLIMETRE,
 };
-use rayon::prelude::*;
 
 use crate::results::bodies::geometry::Geometry;
 use crate::results::bodies::mesh_files::named;
@@ -25,15 +24,15 @@ use crate::results::bodies::meshes::Meshes;
 use crate::results::bodies::record::BodyMeshRecord;
 use crate::results::bodies::solids::{rail_in_use, solids};
 use crate::results::bodies::touch::{HertzRecord, TouchRecord};
-use crate::results::patches::make::{below_record, chosen, patch_record};
+use crate::results::patches::make::{chosen, patch_record};
 use crate::results::patches::record::PatchesRecord;
 use crate::results::springs::fields::{FieldFile, PressedSolids, field_files};
 use crate::results::springs::form::FormRecord;
 use crate::results::springs::law::LawConstants;
 use crate::results::springs::record::{
     BeamRecord, BoundRecord, ComplianceRecord, HorizontalPointRecord, HorizontalRecord, LawRecord,
-    LoadCurveRow, LoadEndRecord, PenaltyRecord, ReferenceRecord, StiffnessRecord, SubsurfaceRecord,
-    TangentRecord,
+    LoadCurveRow, LoadEndRecord, PenaltyRecord, ReferenceRecord, StiffnessRecord, SubsurfaceBandRecord,
+    SubsurfaceRecord, TangentRecord,
 };
 use crate::rounding::significant;
 use crate::study::{EnforcementKey, MeshFile, OutputKeys, Statics};
@@ -171,10 +170,8 @@ pub fn calibrate(
     };
     let fields = field_files(&pressed_solids, geometry, meshes, output)?;
     let stiffness = horizontal.as_ref().map(|h| h.stiffness);
-    let poisson = statics.rail.material.poisson;
     let [of_rail, of_wheel] = meshes.contact_elements;
-    let below: Vec<Option<Subsurface>> =
-        states.par_iter().map(|state: &Pressed| state.subsurface(poisson)).collect();
+    let measured = pressed.patches(reference)?;
     let record = StiffnessRecord {
         study: String::new(),
         reference: reference.name().into(),
@@ -192,7 +189,7 @@ pub fn calibrate(
         error_band: None,
         assumed: None,
         compliance_split: in_use.points.iter().map(|p| compliance_record(p, in_series)).collect(),
-        subsurface: in_use.points.iter().zip(&below).filter_map(subsurface_record).collect(),
+        subsurface: in_use.points.iter().zip(&measured).filter_map(subsurface_record).collect(),
         penalty: PenaltyRecord {
             enforcement: match statics.contact.enforcement {
                 EnforcementKey::Exact => "exact",
@@ -216,13 +213,10 @@ pub fn calibrate(
         commit: version::COMMIT.into(),
         content_blake3: String::new(),
     };
-    let row = |(point, below): (_, &Option<_>)| load_curve_row(reference, point, &in_use.fit, below.as_ref());
-    let load_curve = in_use.points.iter().zip(&below).map(row).collect();
-    let patch = |index: usize| {
-        let largest = below[index].as_ref();
-        let profile = largest.map(|largest| below_record(pair, &states[index], poisson, largest));
-        patch_record(pair, &states[index], profile)
-    };
+    let row = |(point, patch)| load_curve_row(reference, point, &in_use.fit, patch);
+    let load_curve = in_use.points.iter().zip(&measured).map(row).collect();
+    let poisson = statics.rail.material.poisson;
+    let patch = |index: usize| patch_record(pair, &states[index], &measured[index], poisson);
     let patches = PatchesRecord {
         study: String::new(),
         reference: reference.name().into(),
@@ -353,9 +347,10 @@ fn load_curve_row(
     reference: Reference,
     p: &LoadPoint,
     fit: &LawFit,
-    below: Option<&Subsurface>,
+    Patch { values: patch, band, .. }: &Patch,
 ) -> LoadCurveRow {
-    let [max_von_mises_mpa, von_mises_depth_mm, max_shear_mpa, shear_depth_mm] = subsurface_values(below);
+    let [max_von_mises_mpa, von_mises_depth_mm, max_shear_mpa, shear_depth_mm] = subsurface_values(patch);
+    let band = |of: fn(&PatchBand) -> f64| band.as_ref().map(of);
     LoadCurveRow {
         reference: reference.name().into(),
         force_kn: p.force / KILONEWTON,
@@ -364,36 +359,48 @@ fn load_curve_row(
         solid_secant_kn_per_m: p.force / p.displacement / KILONEWTON_PER_METRE,
         solid_tangent_kn_per_m: p.solid_tangent / KILONEWTON_PER_METRE,
         law_tangent_kn_per_m: fit.law.tangent(p.force) / KILONEWTON_PER_METRE,
-        contact_area_mm2: p.contact_area / SQUARE_MILLIMETRE,
-        max_pressure_mpa: p.max_pressure / MEGAPASCAL,
-        semi_axis_along_mm: p.semi_axis_along / MILLIMETRE,
-        semi_axis_across_mm: p.semi_axis_across / MILLIMETRE,
+        contact_area_mm2: patch.area / SQUARE_MILLIMETRE,
+        max_pressure_mpa: patch.max_pressure / MEGAPASCAL,
+        semi_axis_along_mm: patch.semi_axis_along / MILLIMETRE,
+        semi_axis_across_mm: patch.semi_axis_across / MILLIMETRE,
         max_von_mises_mpa,
         von_mises_depth_mm,
         max_shear_mpa,
         shear_depth_mm,
+        contact_area_rel_error_band: band(|band| band.area),
+        max_pressure_rel_error_band: band(|band| band.max_pressure),
+        von_mises_rel_error_band: band(|band| band.mises.stress),
+        von_mises_depth_rel_error_band: band(|band| band.mises.depth),
+        shear_rel_error_band: band(|band| band.shear.stress),
+        shear_depth_rel_error_band: band(|band| band.shear.depth),
     }
 }
 
-fn subsurface_record((point, below): (&LoadPoint, &Option<Subsurface>)) -> Option<SubsurfaceRecord> {
-    let [mises, mises_depth, shear, shear_depth] = subsurface_values(below.as_ref());
+fn subsurface_record((point, patch): (&LoadPoint, &Patch)) -> Option<SubsurfaceRecord> {
+    let [mises, mises_depth, shear, shear_depth] = subsurface_values(&patch.values);
     Some(SubsurfaceRecord {
         force_kn: point.force / KILONEWTON,
         max_von_mises_mpa: mises?,
         von_mises_depth_mm: mises_depth?,
         max_shear_mpa: shear?,
         shear_depth_mm: shear_depth?,
+        error_band: patch.band.map(|band| SubsurfaceBandRecord {
+            von_mises: band.mises.stress,
+            von_mises_depth: band.mises.depth,
+            shear: band.shear.stress,
+            shear_depth: band.shear.depth,
+        }),
     })
 }
 
 /// Largest von Mises stress below a patch, MPa, its depth, mm, and the same of the shear stress.
-pub(crate) fn subsurface_values(below: Option<&Subsurface>) -> [Option<f64>; 4] {
+pub(crate) fn subsurface_values(patch: &PatchValues) -> [Option<f64>; 4] {
     let values = |below: &Subsurface| {
         let of = |peak: &Peak| [peak.stress / MEGAPASCAL, peak.depth / MILLIMETRE];
         let ([mises, mises_depth], [shear, shear_depth]) = (of(&below.mises), of(&below.shear));
         [mises, mises_depth, shear, shear_depth]
     };
-    below.map(values).map_or([None; 4], |values| values.map(Some))
+    patch.below.as_ref().map(values).map_or([None; 4], |values| values.map(Some))
 }
 
 fn mesh_record(

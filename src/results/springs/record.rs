@@ -336,12 +336,28 @@ pub struct SubsurfaceRecord {
     pub force_kn: f64,
     /// Largest von Mises stress, MPa.
     pub max_von_mises_mpa: f64,
-    /// Its depth, mm; a quarter of a cell of the fine grid where friction has it at the surface.
+    /// Its depth, mm.
     pub von_mises_depth_mm: f64,
     /// Largest shear stress, MPa.
     pub max_shear_mpa: f64,
     /// Its depth, mm.
     pub shear_depth_mm: f64,
+    /// How far these are from those on cells twice as large, relative.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error_band: Option<SubsurfaceBandRecord>,
+}
+
+/// Half widths of the error bands of the largest stresses below the patch and of their depths, relative.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct SubsurfaceBandRecord {
+    /// Of the largest von Mises stress.
+    pub von_mises: f64,
+    /// Of its depth.
+    pub von_mises_depth: f64,
+    /// Of the largest shear stress.
+    pub shear: f64,
+    /// Of its depth.
+    pub shear_depth: f64,
 }
 
 /// The published penalty criterion: the penetration below 1/1000 of the displacement at the wheel centre.
@@ -382,10 +398,28 @@ pub struct LoadCurveRow {
     pub semi_axis_across_mm: f64,
     /// Largest von Mises stress below the patch, MPa, of a half-space; none for a contact between elements, which do not resolve it.
     pub max_von_mises_mpa: Option<f64>,
-    /// Its depth, mm; a quarter of a cell of the fine grid where friction has it at the surface.
+    /// Its depth, mm.
     pub von_mises_depth_mm: Option<f64>,
     /// Largest shear stress below the patch, MPa.
     pub max_shear_mpa: Option<f64>,
     /// Its depth, mm.
     pub shear_depth_mm: Option<f64>,
+    /// Half width of the error band of the contact area, relative: its change from cells twice as large; none for a contact between elements.
+    #[serde(default)]
+    pub contact_area_rel_error_band: Option<f64>,
+    /// The same of the largest pressure.
+    #[serde(default)]
+    pub max_pressure_rel_error_band: Option<f64>,
+    /// The same of the largest von Mises stress.
+    #[serde(default)]
+    pub von_mises_rel_error_band: Option<f64>,
+    /// The same of its depth.
+    #[serde(default)]
+    pub von_mises_depth_rel_error_band: Option<f64>,
+    /// The same of the largest shear stress.
+    #[serde(default)]
+    pub shear_rel_error_band: Option<f64>,
+    /// The same of its depth.
+    #[serde(default)]
+    pub shear_depth_rel_error_band: Option<f64>,
 }

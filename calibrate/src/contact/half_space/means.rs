@@ -88,40 +88,84 @@ fn slopes() -> [(f64, f64); 8] {
     })
 }
 
-/// Means between the hats of a uniform grid, by their offset in grid lines.
+/// Means between the hats of a uniform grid, by their offset in grid lines. All kernels go with the inverse of a length, so that grids of one ratio
+/// of spacings that differ by a power of two, as halved grids do, have one table.
 #[derive(Debug)]
 pub struct HatTable {
     /// Grid spacing along the profile and the track, m.
     pub cell: Vector2<f64>,
+    /// Of the unit's values, a power of two.
+    scale: f64,
+    unit: Arc<UnitTable>,
+}
+
+/// The table of a grid whose spacing along the profile is between 1 and 2.
+#[derive(Debug)]
+struct UnitTable {
+    cell: Vector2<f64>,
     /// Number of offsets along the profile and the track, from 0.
-    pub reach: (usize, usize),
+    reach: (usize, usize),
     means: Vec<Kernels>,
 }
 
 /// Tables that were made, at most so many.
-static MADE: Mutex<Vec<Arc<HatTable>>> = Mutex::new(Vec::new());
+static MADE: Mutex<Vec<Arc<UnitTable>>> = Mutex::new(Vec::new());
 const KEPT: usize = 64;
 
+/// The power of two by which a spacing (m) is between 1 and 2.
+fn scale_of(cell: Vector2<f64>) -> f64 {
+    2.0_f64.powi(-(cell.x.log2().floor() as i32))
+}
+
 impl HatTable {
-    /// A table with that reach or more. Grids of one spacing share it: their spacings are few, and a value does not depend on the reach.
-    pub fn shared(cell: Vector2<f64>, reach: (usize, usize)) -> Arc<Self> {
+    /// A table with that reach or more. Grids of one unit share it: their spacings are few, and a value does not depend on the reach.
+    pub fn shared(cell: Vector2<f64>, reach: (usize, usize)) -> Self {
         let made = || MADE.lock().unwrap_or_else(PoisonError::into_inner);
-        let known = made().iter().find(|table| table.cell == cell).cloned();
+        let scale = scale_of(cell);
+        let unit_cell = scale * cell;
+        let of = |unit| Self { cell, scale, unit };
+        let known = made().iter().find(|table| table.cell == unit_cell).cloned();
         let table = match known {
-            Some(known) if reach.0 <= known.reach.0 && reach.1 <= known.reach.1 => return known,
+            Some(known) if reach.0 <= known.reach.0 && reach.1 <= known.reach.1 => return of(known),
             Some(known) => Arc::new(known.extended(reach)),
-            None => Arc::new(Self::new(cell, reach)),
+            None => Arc::new(UnitTable::new(unit_cell, reach)),
         };
         let mut tables = made();
-        tables.retain(|other| other.cell != cell);
+        tables.retain(|other| other.cell != unit_cell);
         if tables.len() == KEPT {
             tables.remove(0);
         }
         tables.push(table.clone());
-        table
+        of(table)
     }
 
-    pub fn new(cell: Vector2<f64>, reach: (usize, usize)) -> Self {
+    #[cfg(test)]
+    fn new(cell: Vector2<f64>, reach: (usize, usize)) -> Self {
+        let scale = scale_of(cell);
+        Self { cell, scale, unit: Arc::new(UnitTable::new(scale * cell, reach)) }
+    }
+
+    /// Number of offsets along the profile and the track, from 0.
+    #[cfg(test)]
+    fn reach(&self) -> (usize, usize) {
+        self.unit.reach
+    }
+
+    /// Means at a signed offset within reach.
+    pub fn at(&self, offset: (isize, isize)) -> Kernels {
+        let Kernels { inverse, across, shear, gradient } = self.unit.at(offset);
+        let scale = self.scale;
+        Kernels {
+            inverse: scale * inverse,
+            across: scale * across,
+            shear: scale * shear,
+            gradient: gradient * scale,
+        }
+    }
+}
+
+impl UnitTable {
+    fn new(cell: Vector2<f64>, reach: (usize, usize)) -> Self {
         Self { cell, reach: (0, 0), means: Vec::new() }.extended(reach)
     }
 
@@ -139,8 +183,7 @@ impl HatTable {
         Self { cell, reach, means: (0..reach.0 * reach.1).map(at).collect() }
     }
 
-    /// Means at a signed offset within reach.
-    pub fn at(&self, (i, k): (isize, isize)) -> Kernels {
+    fn at(&self, (i, k): (isize, isize)) -> Kernels {
         let mut found = self.means[i.unsigned_abs() * self.reach.1 + k.unsigned_abs()];
         let (s, x) = (i.signum() as f64, k.signum() as f64);
         found.shear *= s * x;
@@ -205,20 +248,24 @@ mod tests {
         }
     }
 
-    /// Goal: a shared table reaches as far as it is asked to, whatever was asked before, and has the values of one that is made anew. Exact.
+    /// Goal: a shared table reaches as far as it is asked to, whatever was asked before, and has the values of one that is made anew; so has one of a
+    /// spacing twice as large or a quarter, from the same values. Exact.
     #[test]
     fn a_shared_table_is_as_a_new_one() {
         let cell = Vector2::new(0.77e-3, 0.31e-3);
         for reach in [(3, 5), (2, 2), (6, 2), (1, 9)] {
             let (shared, new) = (HatTable::shared(cell, reach), HatTable::new(cell, reach));
-            assert!(shared.reach.0 >= reach.0 && shared.reach.1 >= reach.1);
+            assert!(shared.reach().0 >= reach.0 && shared.reach().1 >= reach.1);
             for i in 0..reach.0 as isize {
                 for k in 0..reach.1 as isize {
                     assert_eq!(differences(&shared.at((i, k)), &new.at((i, k))), [0.0; 5]);
                 }
             }
         }
-        let other = HatTable::shared(2.0 * cell, (3, 3));
-        assert_eq!(other.cell, 2.0 * cell);
+        for cell in [2.0 * cell, 0.25 * cell] {
+            let (other, new) = (HatTable::shared(cell, (3, 3)), HatTable::new(cell, (3, 3)));
+            assert_eq!(other.cell, cell);
+            assert_eq!(differences(&other.at((2, -1)), &new.at((2, -1))), [0.0; 5]);
+        }
     }
 }
