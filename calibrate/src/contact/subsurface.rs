@@ -67,28 +67,39 @@ const LEAST_DEPTH: f64 = 0.25;
 
 /// Stress of the body below at a `place` (arc length, x; m) and `depth` (m, above 0) under the `hats`.
 pub fn stress_below(hats: &[Hat], poisson: f64, place: &Point2<f64>, depth: f64) -> PatchStress {
-    let mut sum = [0.0; 6];
-    for hat in hats {
-        let offset = place - hat.place;
-        // from where the hat ends
-        let beside = offset.abs().zip_map(&hat.widths, |offset, width| (offset - width).max(0.0));
-        let distance = (beside.norm_squared() + depth * depth).sqrt();
-        let mut add = |by: Vector2<f64>, force: f64| {
-            let stress = below_unit_force(offset - by, depth, poisson);
-            sum.iter_mut().zip(stress).for_each(|(s, v)| *s += force * v);
-        };
-        if distance >= AFAR * hat.widths.max() {
-            add(Vector2::zeros(), hat.force);
-            continue;
-        }
-        let [across, along] = [0, 1].map(|axis| Parts::seen_from(distance, hat.widths[axis]));
-        for (a, of_a) in across.iter() {
-            for (b, of_b) in along.iter() {
-                add(Vector2::new(a, b), of_a * of_b * hat.force);
+    Forces::seen_from(hats, place, 0.0, depth).stress_below(poisson, place, depth)
+}
+
+/// Forces that stand for hats.
+struct Forces(Vec<(Point2<f64>, f64)>);
+
+impl Forces {
+    /// Those of `hats` as they are seen from a `place`, up to so far `across` from it, and from a `depth`, or deeper.
+    fn seen_from(hats: &[Hat], place: &Point2<f64>, across: f64, depth: f64) -> Self {
+        let mut forces = Vec::with_capacity(4 * hats.len());
+        for hat in hats {
+            // from where the hat ends
+            let offset = (place - hat.place).abs() - Vector2::new(across, 0.0);
+            let beside = offset.zip_map(&hat.widths, |offset, width| (offset - width).max(0.0));
+            let distance = (beside.norm_squared() + depth * depth).sqrt();
+            let [across, along] = [0, 1].map(|axis| Parts::seen_from(distance, hat.widths[axis]));
+            for (a, of_a) in across.iter() {
+                for (b, of_b) in along.iter() {
+                    forces.push((hat.place + Vector2::new(a, b), of_a * of_b * hat.force));
+                }
             }
         }
+        Self(forces)
     }
-    sum
+
+    fn stress_below(&self, poisson: f64, place: &Point2<f64>, depth: f64) -> PatchStress {
+        let mut sum = [0.0; 6];
+        for (at, force) in &self.0 {
+            let stress = below_unit_force(place - at, depth, poisson);
+            sum.iter_mut().zip(stress).for_each(|(s, v)| *s += force * v);
+        }
+        sum
+    }
 }
 
 /// Forces that stand for a hat in one direction. Two or more have its second moment, so that some (width/distance)⁴ of the stress is missing.
@@ -148,9 +159,7 @@ pub fn subsurface(hats: &[Hat], finer: &[Hat], poisson: f64) -> Option<[Subsurfa
         let starts: Vec<&Start> =
             (0..looked_at.len()).filter(worth).map(|line| &looked_at[line][which].1).collect();
         [hats, finer].map(|hats| {
-            let stress =
-                |place: &Point2<f64>, depth: f64| MEASURES[which](stress_below(hats, poisson, place, depth));
-            let followed = starts.iter().map(|start| follow(stress, start));
+            let followed = starts.iter().map(|start| follow(hats, poisson, MEASURES[which], start));
             followed.max_by(|a, b| a.stress.total_cmp(&b.stress))
         })
     });
@@ -191,13 +200,20 @@ fn largest_on(line: &Start, hats: &[Hat], poisson: f64, deepest: f64) -> [(f64, 
     }
 }
 
-/// The largest `stress` near a start, by parabolas over the depth and across.
-fn follow(stress: impl Fn(&Point2<f64>, f64) -> f64, start: &Start) -> Peak {
+/// The largest stress by a `measure` near a start, by parabolas over the depth and across. The forces that stand for the hats stay the same
+/// in a round: with others at every depth the stress, which is level there, would be largest where they change.
+fn follow(hats: &[Hat], poisson: f64, measure: fn(PatchStress) -> f64, start: &Start) -> Peak {
     let least = LEAST_DEPTH * start.widths.min();
-    let peak = |place: Point2<f64>, depth: f64| Peak { stress: stress(&place, depth), depth, place };
-    let mut best = peak(start.place, start.depth);
+    let mut best = Peak { stress: 0.0, depth: start.depth, place: start.place };
     let mut size = 1.0;
     for _ in 0..ROUNDS {
+        let highest = best.depth * DEEPER.powf(-size);
+        let forces = Forces::seen_from(hats, &best.place, size * start.across, highest);
+        let peak = |place: Point2<f64>, depth: f64| {
+            let stress = measure(forces.stress_below(poisson, &place, depth));
+            Peak { stress, depth, place }
+        };
+        best = peak(best.place, best.depth);
         for over_depth in [true, false] {
             let centre = best;
             let at = |steps: f64| {
