@@ -15,7 +15,7 @@ pub use far_field::Solids;
 pub use fine::{Displaced, FineContact, widened};
 pub use grid::{cell_for, too_coarse, touches_border, widths};
 pub use patch::{Patch, PatchBand, PatchValues, PeakBand, Region, regions};
-pub use pressed::{ContactField, DOWNWARDS, Enforcement, Pressed, WheelOnRail};
+pub use pressed::{Bodies, ContactField, DOWNWARDS, Enforcement, Pressed, WheelOnRail};
 pub use pressed::{carry_over, edge_reached};
 pub use zone::{Change, Placed, Places, Zone, distance};
 
@@ -36,9 +36,12 @@ pub enum Reference {
     /// stands in series with a rail beam, whatever the rail's length.
     #[default]
     Beam,
-    /// The approach of the two surfaces alone, as half-space programs give it: the displacement of the hub less
-    /// the deflection of the bodies beyond their half-spaces.
+    /// The approach of the two surfaces where wheel and rail move as they do: the displacement of the hub less
+    /// the deflection of the bodies beyond their half-spaces. The roll of rim and head is in it.
     Local,
+    /// The approach of the two profiles on half-spaces, pressed without friction and without bodies: what half-space programs tabulate
+    /// ([`Bodies::HalfSpaces`]).
+    HalfSpaces,
 }
 
 impl Reference {
@@ -48,6 +51,7 @@ impl Reference {
             Self::Foot => "foot",
             Self::Beam => "beam",
             Self::Local => "local",
+            Self::HalfSpaces => "half-spaces",
         }
     }
 }
@@ -67,8 +71,8 @@ pub struct LoadPoint {
     pub wheel_compliance: f64,
     /// Share of the rail beyond its half-space, m/N: down to what the displacement is measured against.
     pub rail_compliance: f64,
-    /// Share of points that slide, m/N: what friction does as the load grows and the bodies move along each other. With the three
-    /// other shares it is the tangent compliance of the hub.
+    /// Share of surfaces that move past each other, m/N: what friction does on points that slide, and what the contact does that comes to lie
+    /// elsewhere on the profiles. With the three other shares it is the tangent compliance of the hub.
     pub sliding_compliance: f64,
     /// Largest penetration over the displacement of the wheel centre (the published criterion asks for less than 1/1000).
     pub penalty_error: f64,
@@ -144,7 +148,8 @@ pub fn press_loads(
     stage: &str,
     monitor: &dyn Monitor,
 ) -> Result<Vec<Pressed>> {
-    let (states, ended) = press_carried(wheel_on_rail, loads, stage, monitor)?;
+    let (states, ended) =
+        press_each(|load, before| wheel_on_rail.press(load, before), loads, stage, monitor)?;
     ended.map_or(Ok(states), Err)
 }
 
@@ -184,12 +189,32 @@ pub fn points_apart(
     Ok(points)
 }
 
-/// Whether loads end before the one that stops so, and those before it are whole: at the end of the contact zone, and where no fine grid holds the patch.
-fn ends_the_loads(reason: StopReason) -> bool {
-    matches!(reason, StopReason::EdgeOfCandidates | StopReason::EndOfWindow | StopReason::GridUnsettled)
+/// Of the largest load, what a normal force may be. Downwards on a flange, 150 kN are a normal force of 440 kN, which no one asks for.
+pub const LARGEST_NORMAL: f64 = 1.25;
+
+/// Why a load is not put on: after the state `before`, the normal force would be too large for loads up to the `largest`.
+pub fn too_steep(before: Option<&Pressed>, load: f64, largest: f64) -> Option<Error> {
+    let before = before?;
+    let normal: f64 = before.solution.forces[..before.points.len()].iter().sum();
+    let wanted = normal * load / before.load;
+    let stage = || {
+        let [load, wanted] = [load, wanted].map(|force| force * 1e-3);
+        format!("contact of wheel and rail at {load:.3} kN, normal force {wanted:.1} kN")
+    };
+    let active = before.solution.active();
+    (wanted > LARGEST_NORMAL * largest)
+        .then(|| NumericsError::new(stage(), StopReason::SteepContact, 0.0, active).into())
 }
 
-/// The same up to the first load whose contact reaches the end of the contact zone or that no fine grid holds, and that error, if there is such a load.
+/// Whether loads end before the one that stops so, and those before it are whole: at the end of the contact zone, where no fine grid holds the patch, and
+/// where the normal force grows too large.
+fn ends_the_loads(reason: StopReason) -> bool {
+    use StopReason::{EdgeOfCandidates, EndOfWindow, GridUnsettled, SteepContact};
+    matches!(reason, EdgeOfCandidates | EndOfWindow | GridUnsettled | SteepContact)
+}
+
+/// The same up to the first load whose contact reaches the end of the contact zone, that no fine grid holds, or whose normal force is too large
+/// ([`too_steep`]), and that error, if there is such a load.
 ///
 /// # Errors
 /// Those of [`press_loads`] for other reasons.
@@ -199,7 +224,12 @@ pub fn press_carried(
     stage: &str,
     monitor: &dyn Monitor,
 ) -> Result<(Vec<Pressed>, Option<Error>)> {
-    press_each(|load, before| wheel_on_rail.press(load, before), loads, stage, monitor)
+    let largest = loads.last().copied().unwrap_or(0.0);
+    let press = |load, before: Option<&Pressed>| match too_steep(before, load, largest) {
+        Some(steep) => Err(steep),
+        None => wheel_on_rail.press(load, before),
+    };
+    press_each(press, loads, stage, monitor)
 }
 
 /// The same, each load by `press`.
@@ -325,34 +355,37 @@ fn split(wheel_on_rail: &WheelOnRail, state: &Pressed, change: &[f64]) -> [f64; 
     let directions = wheel_on_rail.directions();
     let share = |part: &dyn Compliance| quadratic(&total(&[part], &state.points, directions), change);
     let normal = &change[..state.points.len()];
-    let half_space =
-        |material, side| quadratic(&total(&[&HalfSpace::new(material, side)], &state.points, 1), normal);
-    let [rail, wheel] = &wheel_on_rail.materials;
-    let (rail_half, wheel_half) = (half_space(rail, Side::Base), half_space(wheel, Side::Opposing));
-    let wheel = share(&BodyCompliance { compliance: wheel_on_rail.wheel, side: Side::Opposing });
-    let rail = share(&BodyCompliance { compliance: wheel_on_rail.rail, side: Side::Base });
+    let half_space = |half: HalfSpace| quadratic(&total(&[&half], &state.points, 1), normal);
+    let [rail_half, wheel_half] = wheel_on_rail.half_spaces().map(half_space);
+    let Bodies::Condensed { rail, wheel } = wheel_on_rail.bodies else {
+        return [rail_half + wheel_half, 0.0, 0.0];
+    };
+    let wheel = share(&BodyCompliance { compliance: wheel, side: Side::Opposing });
+    let rail = share(&BodyCompliance { compliance: rail, side: Side::Base });
     [rail_half + wheel_half, wheel - wheel_half, rail - rail_half]
 }
 
-/// Work of friction on the points that slide, for the `change` of the contact forces under a unit load and the motion of the hub (m/N)
-/// along the direction in which the wheel is pressed, m/N. Of what the load does, it is the part that no body stores: `δ = fᵀ·C·f - τᵀ·s`.
+/// Work on the surfaces that move past each other, for the `change` of the contact forces under a unit load and the motion of the hub (m/N)
+/// along the direction in which the wheel is pressed, m/N: of friction on the points that slide, and of normal forces where the wheel comes to face the
+/// rail elsewhere. Of what the load does, it is the part that no body stores: `δ = fᵀ·C·f - τᵀ·s`.
 fn sliding(wheel_on_rail: &WheelOnRail, state: &Pressed, change: &[f64], hub: f64) -> f64 {
     let n = state.points.len();
-    let slides = |j: &usize| state.solution.modes[*j] == PointMode::Slip;
-    if wheel_on_rail.directions() == 1 || !(0..n).any(|j| slides(&j)) {
+    let slides = |j: &usize| wheel_on_rail.directions() > 1 && state.solution.modes[*j] == PointMode::Slip;
+    // on the nodes of a mesh the gaps follow the normals of the rail
+    let faces = |j: &usize| state.fine().is_some() && change[*j] != 0.0;
+    if !(0..n).any(|j| slides(&j) || faces(&j)) {
         return 0.0;
     }
     let mut motion = vec![0.0; change.len()];
     state.problem(wheel_on_rail.friction).compliance.add_product(change, &mut motion);
     let along = wheel_on_rail.world_direction();
-    let work = |j: usize| {
-        let in_direction = |d: usize| {
-            let row = d * n + j;
-            -change[row] * (motion[row] + hub * state.points[j].direction(d).dot(&along))
-        };
-        in_direction(1) + in_direction(2)
+    let work = |d: usize, j: usize| {
+        let row = d * n + j;
+        -change[row] * (motion[row] + hub * state.points[j].direction(d).dot(&along))
     };
-    (0..n).filter(slides).map(work).sum()
+    let normal: f64 = (0..n).filter(faces).map(|j| work(0, j)).sum();
+    let friction: f64 = (0..n).filter(slides).map(|j| work(1, j) + work(2, j)).sum();
+    normal + friction
 }
 
 fn quadratic(matrix: &Mat<f64>, vector: &[f64]) -> f64 {
@@ -392,14 +425,9 @@ fn half_spaces(wheel_on_rail: &WheelOnRail, state: &Pressed, forces: &[f64]) -> 
     if let Some(fine) = state.fine() {
         return fine.half_spaces(forces);
     }
-    let [rail, wheel] = &wheel_on_rail.materials;
     let directions = wheel_on_rail.directions();
-    [(rail, Side::Base), (wheel, Side::Opposing)]
-        .into_iter()
-        .map(|(material, side)| {
-            quadratic(&total(&[&HalfSpace::new(material, side)], &state.points, directions), forces)
-        })
-        .sum()
+    let of = |half: &HalfSpace| quadratic(&total(&[half], &state.points, directions), forces);
+    wheel_on_rail.half_spaces().iter().map(of).sum()
 }
 
 /// Horizontal stiffness at every preload, all points sticking, and its mean, against what the rail's compliance
@@ -418,7 +446,8 @@ pub fn calibrate_horizontal(
     let mut ended = None;
     for (i, &preload) in preloads.iter().enumerate() {
         monitor.progress("horizontal stiffness", i, preloads.len())?;
-        let state = match wheel_on_rail.press(preload, before.as_ref()) {
+        let steep = too_steep(before.as_ref(), preload, preloads.last().copied().unwrap_or(0.0));
+        let state = match steep.map_or_else(|| wheel_on_rail.press(preload, before.as_ref()), Err) {
             Err(Error::Numerics(end)) if before.is_some() && ends_the_loads(end.reason) => {
                 ended = Some(end.into());
                 break;

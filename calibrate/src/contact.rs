@@ -49,7 +49,7 @@ pub use point::{ContactPoint, NodeWeight, Side, flat_grid, gaps, nodal_forces, r
 pub use point_force::PatchStress;
 pub use rigid_motion::RigidMotion;
 pub use solver::{FreeDirection, HubResponse, PointMode, Problem, Solution, hub_response, solve};
-pub use solver::{hub_response_with, solve_held, solve_with};
+pub use solver::{hub_response_with, response_to, solve_held, solve_with};
 pub use subsurface::{Hat, Peak, Subsurface, hats, stress_below, subsurface};
 pub use surface::corners;
 pub use surface::{BetweenNodes, Shape, Surface};

@@ -289,7 +289,11 @@ fn a_load_has_one_contact_whatever_was_before() {
                 .filter(|(_, f)| **f > 0.0)
                 .map(|(p, _)| &p.position)
                 .collect();
-            let moved = [(Side::Base, wheel_on_rail.rail), (Side::Opposing, wheel_on_rail.wheel)].map(
+            let railspring_calibrate::calibration::Bodies::Condensed { rail, wheel } = wheel_on_rail.bodies
+            else {
+                panic!("solids")
+            };
+            let moved = [(Side::Base, rail), (Side::Opposing, wheel)].map(
                 |(side, body): (Side, &Mat<f64>)| -> Vec<f64> {
                     let forces = state.body_forces(side, body.nrows());
                     let loaded: Vec<usize> = (0..forces.len()).filter(|&j| forces[j] != 0.0).collect();
@@ -459,8 +463,10 @@ fn a_crowned_wheel_on_an_irregular_mesh_is_hertz() {
     let contact_modulus = MATERIAL.young / (1.0 - MATERIAL.poisson * MATERIAL.poisson);
     for off in [0.0, 1.7e-3, -3.1e-3] {
         let pressed = WheelOnRail {
-            rail: &block.compliance,
-            wheel: &rigid,
+            bodies: railspring_calibrate::calibration::Bodies::Condensed {
+                rail: &block.compliance,
+                wheel: &rigid,
+            },
             rail_surface: Surface::extruded(&flat, &mesh.contact),
             wheel_surface: Surface::revolved(&crown, &grid, radius, Vector2::new(off, 0.0)),
             friction: 0.0,

@@ -141,7 +141,7 @@ fn the_flange_has_its_law_whatever_the_friction() {
                 assert!(found.ended.is_none(), "{case}: {:?}", found.ended);
                 assert!(angle > 0.4 && touch.on_wheel.x < -0.02 && touch.on_rail.x < -0.02, "{touch:?}");
                 assert!((touch.along.x.atan2(touch.along.y) - angle).abs() < 1e-12);
-                let Laws { foot: Some(foot), beam, local } = &found.laws else {
+                let Laws { foot: Some(foot), beam, local, .. } = &found.laws else {
                     panic!("{case}: three laws")
                 };
                 for ((f, b), l) in foot.points.iter().zip(&beam.points).zip(&local.points) {

@@ -75,8 +75,10 @@ fn press(
         },
     );
     let pair = WheelOnRail {
-        rail: &rail_element.compliance,
-        wheel: &wheel_element.compliance,
+        bodies: railspring_calibrate::calibration::Bodies::Condensed {
+            rail: &rail_element.compliance,
+            wheel: &wheel_element.compliance,
+        },
         rail_surface: bodies.rail_surface(),
         wheel_surface: bodies.wheel_surface(),
         friction: 0.5,

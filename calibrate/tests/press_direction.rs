@@ -80,8 +80,10 @@ impl Bodies {
         let angle = (shift / apart).asin();
         let height = apart * (angle.cos() - 1.0);
         let pair = WheelOnRail {
-            rail: &self.compliances[0],
-            wheel: &self.compliances[1],
+            bodies: railspring_calibrate::calibration::Bodies::Condensed {
+                rail: &self.compliances[0],
+                wheel: &self.compliances[1],
+            },
             rail_surface: Surface::extruded(&self.rail, &self.grids[0]),
             wheel_surface: Surface::revolved(
                 &self.wheel,

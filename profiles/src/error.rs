@@ -171,6 +171,11 @@ pub enum StopReason {
     /// The fine grid of the contact does not hold the patch, however often its reach was widened.
     #[error("the fine grid of the contact does not hold the patch after all changes of its reach")]
     GridUnsettled,
+    /// The contact is so steep that its normal force goes beyond the largest load by more than a quarter.
+    #[error(
+        "the normal force of the steep contact would be over 1.25 times the largest load; press along the normal (laws by contact angle), or give smaller loads"
+    )]
+    SteepContact,
     /// A reduced body has fewer modes than the forces of a run need.
     #[error("the forces still change with the number of modes of the bodies")]
     TooFewModes,

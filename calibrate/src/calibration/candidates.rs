@@ -3,8 +3,8 @@
 use super::far_field::Solids;
 use super::fine::{Displaced, FineContact, points_around, widened};
 use super::grid::{cell_for, first_forces, rim_gap, too_coarse, touches_border, widths};
-use super::pressed::{Elasticity, Pressed, WheelOnRail, carry_over};
-use crate::contact::{ContactPoint, HalfSpace, Lattice, Side};
+use super::pressed::{Bodies, Elasticity, Pressed, WheelOnRail, carry_over};
+use crate::contact::{ContactPoint, Lattice};
 use nalgebra::Vector2;
 
 /// Rigid gap within which points are candidates while nothing is known of the elastic displacements, m.
@@ -78,14 +78,14 @@ impl WheelOnRail<'_> {
 
     /// Both bodies, the hub displaced by `hub`.
     pub(super) fn solids(&self, hub: &Vector2<f64>) -> Solids<'_> {
-        let [rail, wheel] = &self.materials;
-        let half_spaces = [HalfSpace::new(rail, Side::Base), HalfSpace::new(wheel, Side::Opposing)];
         Solids {
-            rail: self.rail,
-            wheel: self.wheel,
+            bodies: match self.bodies {
+                Bodies::Condensed { rail, wheel } => Some([rail, wheel]),
+                Bodies::HalfSpaces => None,
+            },
             rail_surface: self.rail_surface.clone(),
             wheel_surface: self.wheel_surface.moved(hub),
-            half_spaces,
+            half_spaces: self.half_spaces(),
         }
     }
 
@@ -101,7 +101,6 @@ impl WheelOnRail<'_> {
         let directions = self.directions();
         let known = last.and_then(|last| Some((last, last.fine()?)));
         // what the bodies give way by, and how near points must then be
-        let bodies = [self.rail, self.wheel];
         let (moved, margin) = match known {
             Some((last, fine)) => {
                 // patch and approach grow as on Hertz' ellipses, and the bodies give way as the hub does
@@ -122,13 +121,13 @@ impl WheelOnRail<'_> {
             None => {
                 let (lattice, region, margin) = self.first_plan(hub, load, &solids);
                 plan.chosen = Some((lattice, region));
-                (bodies.map(|body| vec![0.0; body.nrows()]), margin)
+                (self.at_rest(), margin)
             }
         };
         let [rail, wheel] = &moved;
         let displaced = Displaced { rail, wheel, margin };
         let (lattice, region) = plan.chosen.as_ref().expect("chosen above");
-        let known_fine = known.map(|(_, fine)| fine);
+        let known_fine = known.map(|(_, fine)| fine).filter(|fine| fine.is_near(&solids));
         let (points, fine) = FineContact::new(&solids, *lattice, region, known_fine, &displaced, directions);
         let start = match known {
             Some((last, of)) => {
@@ -211,7 +210,7 @@ impl WheelOnRail<'_> {
     fn reach(&self, state: &Pressed) -> f64 {
         let carrying = state.points.iter().zip(&state.solution.forces).filter(|(_, force)| **force > 0.0);
         let area: f64 = carrying.map(|(point, _)| point.area).sum();
-        (REACH * rim_gap(&self.solids(&state.hub).half_spaces, state.load, area)).min(CANDIDATE_MARGIN)
+        (REACH * rim_gap(&self.half_spaces(), state.load, area)).min(CANDIDATE_MARGIN)
     }
 
     /// The nodes of the rail's grid that are near the wheel with the displacements of a state: as near as the contact of its

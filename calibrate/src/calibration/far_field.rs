@@ -6,15 +6,13 @@ use crate::contact::{
 };
 use crate::superelement::times;
 use faer::Mat;
-use nalgebra::{Point2, UnitComplex};
+use nalgebra::{Point2, UnitComplex, Vector2};
 use std::sync::Arc;
 
 /// Two condensed bodies in place.
 pub struct Solids<'a> {
-    /// Compliance of the rail's contact nodes.
-    pub rail: &'a dyn NodalCompliance,
-    /// Compliance of the wheel's contact nodes.
-    pub wheel: &'a dyn NodalCompliance,
+    /// Compliances of the contact nodes of rail and wheel; none where they are their half-spaces.
+    pub bodies: Option<[&'a dyn NodalCompliance; 2]>,
     /// The rail's surface in its place.
     pub rail_surface: Surface<'a>,
     /// The wheel's surface in its place.
@@ -27,7 +25,7 @@ pub struct Solids<'a> {
 /// smooth, and is interpolated between them.
 ///
 /// The wheel's mesh slides by some tenths of a millimetre past the rail's as the load grows; a smooth field hardly
-/// changes by that, so one far field serves a sequence of loads.
+/// changes by that, so one far field serves a sequence of loads ([`FAR_SLIDE`]).
 pub(super) struct FarField {
     /// The coarse points.
     pub points: Vec<ContactPoint>,
@@ -39,6 +37,8 @@ pub(super) struct FarField {
     pub nodes: Vec<bool>,
     /// Turn of the rail for which it was made.
     turn: UnitComplex<f64>,
+    /// Where the wheel was against the rail, world (y, z), m.
+    wheel: Vector2<f64>,
     /// Which of the points stands at each node of the rail's grid.
     slot: Vec<Option<usize>>,
 }
@@ -47,6 +47,17 @@ pub(super) struct FarField {
 /// the points, and the forces on the bodies keep its directions.
 const FAR_TURN: f64 = 1e-4;
 
+/// The wheel slides past the rail by as much before a far field is made again, m. Downwards on a flange it slides by some millimetres; the displacement of
+/// the hub jumped by 1.3 % where the far field was made anew after that.
+const FAR_SLIDE: f64 = 0.5e-3;
+
+impl Solids<'_> {
+    /// Where the wheel is against the rail, world (y, z), m.
+    fn wheel_from_rail(&self) -> Vector2<f64> {
+        self.wheel_surface.origin - self.rail_surface.origin
+    }
+}
+
 impl FarField {
     /// The far field between the `nodes` of the rail's grid, with `directions` unknowns a point.
     pub fn new(solids: &Solids, nodes: Vec<bool>, directions: usize) -> Self {
@@ -54,27 +65,39 @@ impl FarField {
         let points = pair_nodes(&solids.rail_surface, &solids.wheel_surface, |(i, k)| nodes[i * columns + k]);
         let mut slot = vec![None; nodes.len()];
         points.iter().enumerate().for_each(|(j, p)| slot[p.index.0 * columns + p.index.1] = Some(j));
+        let turn = solids.rail_surface.turn;
+        let wheel = solids.wheel_from_rail();
+        let Some([of_rail, of_wheel]) = solids.bodies else {
+            let size = directions * points.len();
+            let bodies = [Mat::zeros(size, size), Mat::zeros(size, size)];
+            return Self { points, sum: Arc::new(bodies[0].clone()), bodies, nodes, turn, wheel, slot };
+        };
         let stand_ins = StandIns { points: &points, slot: &slot, columns };
         let of = |body: &dyn NodalCompliance, side| {
             total(&[&BodyCompliance { compliance: body, side }], &points, directions)
         };
-        let (mut rail, mut wheel) =
-            rayon::join(|| of(solids.rail, Side::Base), || of(solids.wheel, Side::Opposing));
-        let mut near = [&rail, &wheel].map(|body| Mat::<f64>::zeros(body.nrows(), body.ncols()));
+        let (mut rail_part, mut wheel_part) =
+            rayon::join(|| of(of_rail, Side::Base), || of(of_wheel, Side::Opposing));
+        let mut near = [&rail_part, &wheel_part].map(|body| Mat::<f64>::zeros(body.nrows(), body.ncols()));
         let [near_rail, near_wheel] = &mut near;
         let [rail_half, wheel_half] = &solids.half_spaces;
         let wanted = |a, b| stand_ins.of(a, b).is_none();
         add_half_spaces([rail_half, wheel_half], &points, wanted, [near_rail, near_wheel]);
-        for (body, near) in [&mut rail, &mut wheel].into_iter().zip(&near) {
+        for (body, near) in [&mut rail_part, &mut wheel_part].into_iter().zip(&near) {
             for c in 0..near.ncols() {
                 let values = body.col_as_slice_mut(c).iter_mut().zip(near.col_as_slice(c));
                 values.for_each(|(rest, value)| *rest -= value);
             }
             stand_ins.smooth(body);
         }
-        let sum = Mat::from_fn(rail.nrows(), rail.ncols(), |r, c| rail[(r, c)] + wheel[(r, c)]);
-        let turn = solids.rail_surface.turn;
-        Self { points, bodies: [rail, wheel], sum: Arc::new(sum), nodes, turn, slot }
+        let sum =
+            Mat::from_fn(rail_part.nrows(), rail_part.ncols(), |r, c| rail_part[(r, c)] + wheel_part[(r, c)]);
+        Self { points, bodies: [rail_part, wheel_part], sum: Arc::new(sum), nodes, turn, wheel, slot }
+    }
+
+    /// Whether the wheel has slid past the rail by less than [`FAR_SLIDE`] since it was made.
+    pub fn is_near(&self, solids: &Solids) -> bool {
+        (solids.wheel_from_rail() - self.wheel).norm() < FAR_SLIDE
     }
 
     /// Whether it was made for all of the `nodes` and as many `directions`, and serves a `rail` in its place.

@@ -117,6 +117,11 @@ impl FineContact {
         nodal_forces(&self.far.points, side, &self.hybrid.carried(forces), equations)
     }
 
+    /// Whether its far field serves where the bodies are now.
+    pub(super) fn is_near(&self, solids: &Solids) -> bool {
+        self.far.is_near(solids)
+    }
+
     /// Whether both contacts have one far field.
     pub fn shares_far_field(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.far, &other.far)

@@ -4,9 +4,10 @@ use super::candidates::{Candidates, FinePlan};
 use super::grid::touches_border;
 use super::pressed::{ContactField, Elasticity, Pressed, WheelOnRail, edge_reached};
 use crate::contact::{
-    ContactPoint, Factors, FreeDirection, Problem, Side, gaps, hub_response_with, solve_with,
+    ContactPoint, Factors, FreeDirection, HubResponse, PointMode, Problem, Side, gaps, response_to,
+    solve_with,
 };
-use nalgebra::Vector2;
+use nalgebra::{DMatrix, Vector2};
 use railspring_profiles::error::{Error, InputError, NumericsError, Result, StopReason};
 use railspring_profiles::field::InputField;
 use std::sync::OnceLock;
@@ -28,6 +29,8 @@ const LOAD_LEVELS: usize = 12;
 const LEAST_RISE: f64 = 1.0 / 32.0;
 /// How far against the load the iteration may place a hub, m: by the gaps that pairing changes. Elastic bodies give way to a load.
 const AGAINST_THE_LOAD: f64 = 1e-4;
+/// Step of the hub over which the change of the gaps is taken, m: they are curved over the radii of profiles, and exact to 1e-15 m.
+const GAP_STEP: f64 = 1e-7;
 
 impl WheelOnRail<'_> {
     /// Presses the wheel with the `load` (N, > 0) along its direction, the hub held across it; `before` is the state
@@ -189,14 +192,43 @@ impl WheelOnRail<'_> {
                 if let Some(reason) = reached {
                     return Err(failure(iteration, 0.0, active, reason));
                 }
-                let (problem, directions) = (state.problem(self.friction), [self.world_direction()]);
-                state.response =
-                    hub_response_with(&problem, &state.solution, &directions, false, &mut factors);
+                state.response = self.response(&state, &mut factors);
                 return Ok(state);
             }
             previous = Some(state);
         }
         Err(failure(PAIRING_LIMIT, moved.abs(), active, StopReason::IterationLimit))
+    }
+
+    /// The answer to a motion of the hub along its direction. The wheel faces the rail elsewhere then, so that its gaps follow the normals of the
+    /// wheel and not those of the rail: on a flange that is pressed downwards, the tangent is off by a tenth and more without it.
+    fn response(&self, state: &Pressed, factors: &mut Factors) -> Option<HubResponse> {
+        let along = self.world_direction();
+        let n = state.points.len();
+        let weights: Vec<f64> =
+            (0..state.free.len()).map(|row| state.points[row % n].direction(row / n).dot(&along)).collect();
+        let mut rates = weights.clone();
+        if let Some(fine) = state.fine() {
+            let carrying = |j: &usize| state.solution.modes[*j] != PointMode::Open;
+            let carrying: Vec<usize> = (0..n).filter(carrying).collect();
+            let nodes: Vec<_> = carrying.iter().map(|&j| state.points[j].index).collect();
+            let [before, after] = [-GAP_STEP, GAP_STEP].map(|step| {
+                let hub = state.hub + self.along.into_inner() * step;
+                fine.lattice.points(&self.rail_surface, &self.wheel_surface.moved(&hub), &nodes)
+            });
+            let gap = |points: &[ContactPoint], index| {
+                points.binary_search_by_key(&index, |point| point.index).ok().map(|at| points[at].gap)
+            };
+            for (&j, &index) in carrying.iter().zip(&nodes) {
+                if let (Some(before), Some(after)) = (gap(&before, index), gap(&after, index)) {
+                    rates[j] = (after - before) / (2.0 * GAP_STEP);
+                }
+            }
+        }
+        let problem = state.problem(self.friction);
+        let forces = response_to(&problem, &state.solution, &[rates], false, factors)?;
+        let stiffness: f64 = forces.col_as_slice(0).iter().zip(&weights).map(|(f, w)| -f * w).sum();
+        Some(HubResponse { stiffness: DMatrix::from_element(1, 1, stiffness), forces })
     }
 
     /// Adds the tangential motion with the hub at `hub` since the state `before`, or since just touching; the contact

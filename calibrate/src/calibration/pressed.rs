@@ -2,8 +2,8 @@
 
 use super::fine::FineContact;
 use crate::contact::{
-    BodyCompliance, ComplianceOperator, ContactPoint, HubResponse, PairingLimits, PenaltySprings, Problem,
-    Side, Solution, Surface, nodal_forces, nodes_near, pair, resultant, total,
+    BodyCompliance, Compliance, ComplianceOperator, ContactPoint, HalfSpace, HubResponse, PairingLimits,
+    PenaltySprings, Problem, Side, Solution, Surface, nodal_forces, nodes_near, pair, resultant, total,
 };
 use crate::solid::Material;
 use crate::superelement::times;
@@ -82,13 +82,25 @@ impl ContactField {
     }
 }
 
-/// A wheel above a rail, both condensed.
+/// What gives way below the two surfaces.
+#[derive(Clone, Copy)]
+pub enum Bodies<'a> {
+    /// Both bodies, condensed to their contact nodes.
+    Condensed {
+        /// Compliance of the rail's contact nodes (`3·node + axis`), m/N: against its supports, or against its own section
+        /// ([`crate::superelement::SectionMotion::relative`]).
+        rail: &'a Mat<f64>,
+        /// Compliance of the wheel's contact nodes against its hub, m/N.
+        wheel: &'a Mat<f64>,
+    },
+    /// Half-spaces of the two materials alone, as half-space programs have them: rim and head neither roll nor bend.
+    HalfSpaces,
+}
+
+/// A wheel above a rail.
 pub struct WheelOnRail<'a> {
-    /// Compliance of the rail's contact nodes (`3·node + axis`), m/N: against its supports, or against its own section
-    /// ([`crate::superelement::SectionMotion::relative`]).
-    pub rail: &'a Mat<f64>,
-    /// Compliance of the wheel's contact nodes against its hub, m/N.
-    pub wheel: &'a Mat<f64>,
+    /// What gives way below the two surfaces.
+    pub bodies: Bodies<'a>,
     /// Contact surface of the rail, at rest.
     pub rail_surface: Surface<'a>,
     /// Contact surface of the wheel; its origin is the just-touching position.
@@ -167,7 +179,31 @@ impl WheelOnRail<'_> {
 
     /// Compliance of both bodies and the penalty springs at `points`.
     pub fn compliance(&self, points: &[ContactPoint], directions: usize) -> Mat<f64> {
-        self.enforcement.compliance(self.rail, self.wheel, points, directions)
+        match self.bodies {
+            Bodies::Condensed { rail, wheel } => self.enforcement.compliance(rail, wheel, points, directions),
+            Bodies::HalfSpaces => {
+                let [rail, wheel] = self.half_spaces();
+                let springs = match self.enforcement {
+                    Enforcement::Exact => None,
+                    Enforcement::Penalty(stiffness) => Some(PenaltySprings { stiffness }),
+                };
+                let springs = springs.iter().map(|springs| springs as &dyn Compliance);
+                let parts: Vec<&dyn Compliance> =
+                    [&rail as &dyn Compliance, &wheel].into_iter().chain(springs).collect();
+                total(&parts, points, directions)
+            }
+        }
+    }
+
+    /// Half-spaces of the materials of rail and wheel.
+    pub fn half_spaces(&self) -> [HalfSpace; 2] {
+        let [rail, wheel] = &self.materials;
+        [HalfSpace::new(rail, Side::Base), HalfSpace::new(wheel, Side::Opposing)]
+    }
+
+    /// Displacements of the contact nodes of rail and wheel (`3·node + axis`), all zero, m.
+    pub(super) fn at_rest(&self) -> [Vec<f64>; 2] {
+        [&self.rail_surface, &self.wheel_surface].map(|surface| vec![0.0; 3 * surface.grid.nodes.len()])
     }
 
     /// Contact points with the hub displaced by `hub` from just touching.
@@ -196,11 +232,15 @@ impl Pressed {
         }
     }
 
-    /// Displacements of the contact nodes of rail and wheel, m.
-    pub(super) fn displacement(&self, bodies: &WheelOnRail) -> &[Vec<f64>; 2] {
+    /// Displacements of the contact nodes of rail and wheel, m. Those of half-spaces are left out: pressure only widens the gap, so that points
+    /// sought without it are more than needed.
+    pub(super) fn displacement(&self, placed: &WheelOnRail) -> &[Vec<f64>; 2] {
         self.displacement.get_or_init(|| {
             let of = |body: &Mat<f64>, side| times(body, &self.body_forces(side, body.nrows()));
-            [of(bodies.rail, Side::Base), of(bodies.wheel, Side::Opposing)]
+            match placed.bodies {
+                Bodies::Condensed { rail, wheel } => [of(rail, Side::Base), of(wheel, Side::Opposing)],
+                Bodies::HalfSpaces => placed.at_rest(),
+            }
         })
     }
 

@@ -75,17 +75,18 @@ pub(super) struct Linearised<'a> {
 impl Linearised<'_> {
     /// What hub motions by one along `directions` do to the rows, sliding points with their share of the slip only.
     pub fn motions(&self, directions: &[Vector3<f64>]) -> Vec<Vec<f64>> {
+        directions.iter().map(|along| self.motion(|row| self.state.hub_weight(row, along))).collect()
+    }
+
+    /// The same of one motion by the `rates` of all separations.
+    pub fn motion(&self, rates: impl Fn(usize) -> f64) -> Vec<f64> {
         let a = self.active.len();
-        let motion = |along: &Vector3<f64>| {
-            let of_row = |&row: &usize| self.state.scale[row] * self.state.hub_weight(row, along);
-            let mut column: Vec<f64> = self.rows.iter().map(of_row).collect();
-            for (local, cone) in self.sliding() {
-                let (row1, row2) = (a + local, 2 * a + local);
-                (column[row1], column[row2]) = cone.across(column[row1], column[row2]);
-            }
-            column
-        };
-        directions.iter().map(motion).collect()
+        let mut column: Vec<f64> = self.rows.iter().map(|&row| self.state.scale[row] * rates(row)).collect();
+        for (local, cone) in self.sliding() {
+            let (row1, row2) = (a + local, 2 * a + local);
+            (column[row1], column[row2]) = cone.across(column[row1], column[row2]);
+        }
+        column
     }
 
     /// Solutions for right-hand sides as long as rows and hub directions, to a residual of `tolerance` times these; `None` where this way is not worth it or does not

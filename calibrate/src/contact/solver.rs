@@ -191,6 +191,30 @@ pub fn hub_response_with(
     sticking: bool,
     factors: &mut Factors,
 ) -> Option<HubResponse> {
+    let weight = |row: usize, along: &Vector3<f64>| {
+        problem.points[row % problem.points.len()].direction(row / problem.points.len()).dot(along)
+    };
+    let rates: Vec<Vec<f64>> = directions
+        .iter()
+        .map(|along| (0..problem.free.len()).map(|row| weight(row, along)).collect())
+        .collect();
+    let forces = response_to(problem, solution, &rates, sticking, factors)?;
+    let k = directions.len();
+    let stiffness = DMatrix::from_fn(k, k, |a, h| {
+        -forces.col_as_slice(h).iter().zip(&rates[a]).map(|(force, weight)| force * weight).sum::<f64>()
+    });
+    Some(HubResponse { stiffness, forces })
+}
+
+/// Change of the contact forces (rows as in the compliance, a column for each motion) where motions change the separations by `rates` per unit; the
+/// points as in [`hub_response`]. `None` if no point carries load.
+pub fn response_to(
+    problem: &Problem,
+    solution: &Solution,
+    rates: &[Vec<f64>],
+    sticking: bool,
+    factors: &mut Factors,
+) -> Option<Mat<f64>> {
     let held = Problem { hub: &[], ..*problem };
     let mut state = State::new(&held, &solution.forces);
     state.separation.copy_from_slice(&solution.separation);
@@ -203,11 +227,11 @@ pub fn hub_response_with(
     let active: Vec<usize> = (0..n).filter(|&j| modes[j] != PointMode::Open).collect();
     let rows: Vec<usize> =
         (0..state.directions).flat_map(|d| active.iter().map(move |&j| d * n + j)).collect();
-    let (m, k) = (rows.len(), directions.len());
-    let along: Vec<Vector3<f64>> = directions.iter().map(|d| d.into_inner()).collect();
+    let m = rows.len();
     let linearised =
         Linearised { state: &state, modes: &modes, active: &active, rows: &rows, along: &[], hub_unit: 0.0 };
-    let response = linearised.solve(&linearised.motions(&along), LINEAR, LINEAR, factors);
+    let motions = || rates.iter().map(|rates| linearised.motion(|row| rates[row])).collect::<Vec<_>>();
+    let response = linearised.solve(&motions(), LINEAR, LINEAR, factors);
     let response = response.or_else(|| {
         if !is_worth_it(m, problem.has_products()) {
             return None;
@@ -217,20 +241,17 @@ pub fn hub_response_with(
             slip_rows(&state, &modes, &active, &mut system);
         }
         let factor = DenseFactor::new(system);
-        let mut sides = linearised.motions(&along);
+        let mut sides = motions();
         sides.iter_mut().for_each(|side| factor.solve(side));
         sides.iter().flatten().all(|value| value.is_finite()).then_some(sides)
     })?;
-    let stiffness = DMatrix::from_fn(k, k, |a, h| {
-        (0..m).map(|r| state.hub_weight(rows[r], &directions[a]) * response[h][r]).sum()
-    });
-    let mut forces = Mat::zeros(problem.free.len(), k);
+    let mut forces = Mat::zeros(problem.free.len(), rates.len());
     for (r, &row) in rows.iter().enumerate() {
-        for h in 0..k {
-            forces[(row, h)] = -response[h][r];
+        for (h, response) in response.iter().enumerate() {
+            forces[(row, h)] = -response[r];
         }
     }
-    Some(HubResponse { stiffness, forces })
+    Some(forces)
 }
 
 #[cfg(test)]

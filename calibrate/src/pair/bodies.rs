@@ -4,7 +4,7 @@ use super::geometry::{Pair, PairMeshes};
 use super::references::ByReference;
 use super::solids::{Orders, PairBody, PairSolids};
 use crate::calibration::{
-    ContactField, DOWNWARDS, Enforcement, HorizontalCalibration, NormalCalibration, Patch, Pressed,
+    Bodies, ContactField, DOWNWARDS, Enforcement, HorizontalCalibration, NormalCalibration, Patch, Pressed,
     Reference, WheelOnRail, calibrate_horizontal, calibrate_normal, press_carried,
 };
 use crate::law::LEAST_LOADS;
@@ -12,7 +12,7 @@ use crate::mesh::SurfaceGrid;
 use crate::solid::{Formulation, Material, Materials};
 use crate::superelement::{CondensedBody, SectionMotion};
 use faer::Mat;
-use railspring_profiles::error::{Error, InputError, Result};
+use railspring_profiles::error::{Error, InputError, Result, unless_interrupted};
 use railspring_profiles::monitor::Monitor;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -49,14 +49,34 @@ impl Pair {
         ContactConditions { friction, enforcement, field }: ContactConditions,
     ) -> WheelOnRail<'a> {
         WheelOnRail {
-            rail: rail.compliance,
-            wheel: wheel.compliance,
+            bodies: Bodies::Condensed { rail: rail.compliance, wheel: wheel.compliance },
             rail_surface: self.rail_surface(rail.grid),
             wheel_surface: self.wheel_surface(wheel.grid),
             friction,
             enforcement,
             field,
             materials: [rail.material, wheel.material],
+            along: DOWNWARDS,
+        }
+    }
+
+    /// The same surfaces on half-spaces of the materials of rail and wheel, without friction, pressed downwards: what half-space programs
+    /// compute. Of the meshes there are only the `grids` of the contact zones of rail and wheel, within which contact is sought.
+    pub fn half_spaces_on_rail<'a>(
+        &'a self,
+        grids: [&'a SurfaceGrid; 2],
+        materials: [Material; 2],
+        field: ContactField,
+    ) -> WheelOnRail<'a> {
+        let [rail, wheel] = grids;
+        WheelOnRail {
+            bodies: Bodies::HalfSpaces,
+            rail_surface: self.rail_surface(rail),
+            wheel_surface: self.wheel_surface(wheel),
+            friction: 0.0,
+            enforcement: Enforcement::Exact,
+            field,
+            materials,
             along: DOWNWARDS,
         }
     }
@@ -177,7 +197,7 @@ impl CondensedPair {
     /// [`InputError`] for the foot's without that body.
     pub fn rail(&self, reference: Reference) -> Result<&CondensedBody> {
         match reference {
-            Reference::Beam | Reference::Local => Ok(&self.rail_on_ends),
+            Reference::Beam | Reference::Local | Reference::HalfSpaces => Ok(&self.rail_on_ends),
             Reference::Foot => self.rail_on_foot.as_ref().ok_or_else(|| no_foot().into()),
         }
     }
@@ -224,7 +244,25 @@ impl CondensedPair {
             on_section.truncate(carried);
             on_foot
         });
-        Ok(self.pressed(pair, contact, Arc::new(PairStates { on_foot, on_section, ended })))
+        let on_half_spaces = self.press_half_spaces(pair, contact, &loads[..on_section.len()], monitor)?;
+        let states = PairStates { on_foot, on_section, on_half_spaces, ended };
+        Ok(self.pressed(pair, contact, Arc::new(states)))
+    }
+
+    /// The profiles on half-spaces under loads that the bodies carry, as far as they go.
+    ///
+    /// # Errors
+    /// An interruption.
+    fn press_half_spaces(
+        &self,
+        pair: &Pair,
+        contact: ContactConditions,
+        loads: &[f64],
+        monitor: &dyn Monitor,
+    ) -> Result<Vec<Pressed>> {
+        let placed = self.wheel_on_rail(pair, Reference::HalfSpaces, contact)?;
+        let pressed = press_carried(&placed, loads, "calibration, half-spaces", monitor);
+        Ok(unless_interrupted(pressed)?.map_or_else(|_| Vec::new(), |(states, _)| states))
     }
 
     /// The pair in `states` that it was pressed into.
@@ -247,10 +285,15 @@ impl CondensedPair {
         reference: Reference,
         contact: ContactConditions,
     ) -> Result<WheelOnRail<'a>> {
+        if reference == Reference::HalfSpaces {
+            let [rail, wheel] = [&self.rail_on_ends, &self.wheel];
+            let materials = [rail.surface, wheel.surface];
+            return Ok(pair.half_spaces_on_rail([&rail.grid, &wheel.grid], materials, ContactField::Hybrid));
+        }
         let body = self.rail(reference)?;
         let (held, compliance) = match reference {
             Reference::Foot => (PairBody::RailOnFoot, &body.compliance),
-            Reference::Beam | Reference::Local => (PairBody::RailOnEnds, &self.against_section),
+            _ => (PairBody::RailOnEnds, &self.against_section),
         };
         let rail = ContactBody { compliance, ..pair.contact_body(held, body)? };
         let wheel = pair.contact_body(PairBody::Wheel, &self.wheel)?;
@@ -275,6 +318,7 @@ pub type Laws = ByReference<NormalCalibration>;
 pub struct PairStates {
     on_foot: Option<Vec<Pressed>>,
     on_section: Vec<Pressed>,
+    on_half_spaces: Vec<Pressed>,
     ended: Option<Error>,
 }
 
@@ -300,6 +344,7 @@ impl PressedPair<'_> {
         match reference {
             Reference::Beam | Reference::Local => Ok(&self.states.on_section),
             Reference::Foot => self.states.on_foot.as_deref().ok_or_else(|| no_foot().into()),
+            Reference::HalfSpaces => Ok(&self.states.on_half_spaces),
         }
     }
 
@@ -330,7 +375,9 @@ impl PressedPair<'_> {
     /// Those of [`Self::fit`].
     pub fn laws(&self) -> Result<Laws> {
         let foot = self.states.on_foot.as_ref().map(|_| self.fit(Reference::Foot)).transpose()?;
-        Ok(Laws { foot, beam: self.fit(Reference::Beam)?, local: self.fit(Reference::Local)? })
+        let enough = self.states.on_half_spaces.len() >= LEAST_LOADS;
+        let half_spaces = enough.then(|| self.fit(Reference::HalfSpaces)).transpose()?;
+        Ok(Laws { foot, beam: self.fit(Reference::Beam)?, local: self.fit(Reference::Local)?, half_spaces })
     }
 
     /// The horizontal stiffness of a sticking wheel under the preloads (N, ascending).

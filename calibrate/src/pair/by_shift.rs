@@ -9,7 +9,7 @@ use super::geometry::Pair;
 use super::references::ByReference;
 use crate::calibration::{
     DOWNWARDS, LoadPoint, NormalCalibration, Patch, PatchBand, PatchValues, Pressed, Reference, Region,
-    Sticking, WheelOnRail, load_point, regions, sticking_flexibility, subtract_bodies,
+    Sticking, WheelOnRail, load_point, regions, sticking_flexibility, subtract_bodies, too_steep,
 };
 use crate::law::LEAST_LOADS;
 use nalgebra::{Matrix2, Point2, Unit, Vector2};
@@ -240,7 +240,7 @@ fn angle_law(
         points.truncate(carried);
         points
     });
-    let points = ByReference { foot: on_foot, beam: on_section.points, local };
+    let points = ByReference { foot: on_foot, beam: on_section.points, local, half_spaces: None };
     let across = Vector2::new(along.y, -along.x);
     let fixed = on_section.fixed.iter().filter(|fixed| fixed.load < carried);
     let fixed = fixed.map(
@@ -262,6 +262,7 @@ fn angle_law(
         foot: points.foot.map(|points| NormalCalibration::new(Reference::Foot, points)).transpose()?,
         beam: NormalCalibration::new(Reference::Beam, points.beam)?,
         local: NormalCalibration::new(Reference::Local, points.local)?,
+        half_spaces: None,
     };
     let shared_from =
         on_section.shared_from.filter(|shared| laws.beam.points.iter().any(|p| p.force >= *shared));
@@ -303,9 +304,12 @@ impl Sequence {
         let mut sequence = Self { points: Vec::new(), fixed: Vec::new(), shared_from: None, ended: None };
         let mut before: Option<Pressed> = None;
         let loads = loads_in_turn(settings.loads, settings.fixed_loads);
+        let largest = loads.last().copied().unwrap_or(0.0);
         for (i, load) in loads.into_iter().enumerate() {
             going_on()?;
-            let pressed = wheel_on_rail.press(load, before.as_ref()).and_then(|state| {
+            let steep = too_steep(before.as_ref(), load, largest);
+            let pressed = steep.map_or_else(|| wheel_on_rail.press(load, before.as_ref()), Err);
+            let pressed = pressed.and_then(|state| {
                 let point = load_point(wheel_on_rail, &state)?;
                 let contacts = contacts(&state);
                 if contacts.len() > 1 {

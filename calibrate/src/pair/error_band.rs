@@ -147,6 +147,7 @@ fn changes(points: &SolidPoints, among: &[usize], from: &SolidPoints, to: &Solid
         foot: with(|points| points.foot.as_ref()),
         beam: changes_between(&points.beam, among, &from.beam, &to.beam),
         local: changes_between(&points.local, among, &from.local, &to.local),
+        half_spaces: None,
     }
 }
 
@@ -217,7 +218,8 @@ impl<'a> Solid<'a> {
         laws: &Laws,
         replicates: &[Pair],
     ) -> Self {
-        let points = laws.map(|law| law.points.clone());
+        // half-spaces have no meshes, and the change with the grid is that of the solids
+        let points = SolidPoints { half_spaces: None, ..laws.map(|law| law.points.clone()) };
         let count = points.beam.len();
         let few = count <= LOADS_COARSER;
         let in_turn = points.beam.iter().filter(|_| few).map(|point| point.force).collect();
@@ -253,6 +255,7 @@ impl<'a> Solid<'a> {
             foot: law.laws.foot.as_ref().map(|_| at(|points| points.foot)),
             beam: at(|points| Some(points.beam)),
             local: at(|points| Some(points.local)),
+            half_spaces: None,
         };
         let largest = points.beam.last().map_or(0.0, |largest: &LoadPoint| largest.force);
         let smaller = points.beam.iter().filter(|point| point.force <= 0.5 * largest).count().max(1);
@@ -333,7 +336,7 @@ impl<'a> Solid<'a> {
             let (beam, foot) = (beam?, foot?);
             let mut local = beam.clone();
             subtract_bodies(&mut local);
-            Ok(SolidPoints { foot, beam, local }.map(of_these))
+            Ok(SolidPoints { foot, beam, local, half_spaces: None }.map(of_these))
         };
         if !self.in_turn.is_empty() {
             return Ok(changes(&self.points, among, &self.points.map(of_these), &on(coarser)?));
@@ -378,7 +381,7 @@ impl<'a> Solid<'a> {
             })
         };
         let [beam, local] = [Reference::Beam, Reference::Local].map(|r| uncertainty(r).unwrap_or_default());
-        Ok(Some(Changes { foot: uncertainty(Reference::Foot), beam, local }))
+        Ok(Some(Changes { foot: uncertainty(Reference::Foot), beam, local, half_spaces: None }))
     }
 
     /// The loads with some numbers, N.
@@ -390,7 +393,8 @@ impl<'a> Solid<'a> {
     fn points_of(&self, placed: &WheelOnRail, states: &[Pressed]) -> Result<SolidPoints> {
         let beam = load_points(placed, states, Reference::Beam)?;
         let local = load_points(placed, states, Reference::Local)?;
-        Ok(SolidPoints { foot: self.points.foot.as_ref().map(|_| beam.clone()), beam, local })
+        let foot = self.points.foot.as_ref().map(|_| beam.clone());
+        Ok(SolidPoints { foot, beam, local, half_spaces: None })
     }
 
     fn placed<'b>(

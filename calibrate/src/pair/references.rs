@@ -12,6 +12,8 @@ pub struct ByReference<T> {
     pub beam: T,
     /// Of the approach of the surfaces alone.
     pub local: T,
+    /// Of the profiles on half-spaces; none where they were not pressed, or carry no loads for a law.
+    pub half_spaces: Option<T>,
 }
 
 impl<T> ByReference<T> {
@@ -21,17 +23,24 @@ impl<T> ByReference<T> {
             Reference::Foot => self.foot.as_ref(),
             Reference::Beam => Some(&self.beam),
             Reference::Local => Some(&self.local),
+            Reference::HalfSpaces => self.half_spaces.as_ref(),
         }
     }
 
     /// All of them with their references.
     pub fn iter(&self) -> impl Iterator<Item = (Reference, &T)> {
         let others = [(Reference::Beam, &self.beam), (Reference::Local, &self.local)];
-        self.foot.iter().map(|of| (Reference::Foot, of)).chain(others)
+        let half_spaces = self.half_spaces.iter().map(|of| (Reference::HalfSpaces, of));
+        self.foot.iter().map(|of| (Reference::Foot, of)).chain(others).chain(half_spaces)
     }
 
     /// What `of` makes of each.
     pub fn map<U>(&self, mut of: impl FnMut(&T) -> U) -> ByReference<U> {
-        ByReference { foot: self.foot.as_ref().map(&mut of), beam: of(&self.beam), local: of(&self.local) }
+        ByReference {
+            foot: self.foot.as_ref().map(&mut of),
+            beam: of(&self.beam),
+            local: of(&self.local),
+            half_spaces: self.half_spaces.as_ref().map(of),
+        }
     }
 }

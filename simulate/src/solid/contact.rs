@@ -303,8 +303,7 @@ impl<'m> StepContact<'m> {
         }
         let directions = self.directions();
         let solids = Solids {
-            rail: rail.flexibility,
-            wheel: wheel.flexibility,
+            bodies: Some([rail.flexibility, wheel.flexibility]),
             rail_surface: placed.surfaces[0].clone(),
             wheel_surface: placed.surfaces[1].clone(),
             half_spaces: self.half_spaces,

@@ -23,7 +23,12 @@ fn points(displacement: f64, tangent: f64) -> SolidPoints {
         };
         [10e3, 40e3, 70e3, 100e3].map(point).to_vec()
     };
-    ByReference { foot: Some(of_a_reference.clone()), beam: of_a_reference.clone(), local: of_a_reference }
+    ByReference {
+        foot: Some(of_a_reference.clone()),
+        beam: of_a_reference.clone(),
+        local: of_a_reference,
+        half_spaces: None,
+    }
 }
 
 /// Goal: the first and the last load are among those of the halved grid, none twice, and all where they are few.

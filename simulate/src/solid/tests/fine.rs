@@ -2,7 +2,7 @@
 
 use super::*;
 use railspring_calibrate::analytic::hertz::point_contact;
-use railspring_calibrate::calibration::{DOWNWARDS, Pressed, WheelOnRail};
+use railspring_calibrate::calibration::{Bodies, DOWNWARDS, Pressed, WheelOnRail};
 use railspring_calibrate::contact::{Side, resultant};
 use railspring_profiles::quadrature::gauss_2_on;
 
@@ -120,8 +120,7 @@ impl Crowned {
         let [rail_surface, wheel_surface] = self.surfaces(0.0);
         let static_model = WheelOnRail {
             along: DOWNWARDS,
-            rail: &rail,
-            wheel: &wheel,
+            bodies: Bodies::Condensed { rail: &rail, wheel: &wheel },
             rail_surface,
             wheel_surface,
             friction,
