@@ -413,8 +413,10 @@ fn what_cannot_be_exported_is_refused() {
         let other = ["stiffness.json", "--to", format, "--study", "other.toml"];
         refused(&other, &["--study = rail 60E1", "a study of the springs' own pair"]);
     }
-    let local = ["stiffness.json", "--to", "contact", "--study", "study.toml", "--reference", "local"];
-    refused(&local, &["--reference = \"local\"", "take \"beam\" or \"foot\""]);
+    for reference in ["local", "half-spaces"] {
+        let alone = ["stiffness.json", "--to", "contact", "--study", "study.toml", "--reference", reference];
+        refused(&alone, &[&format!("--reference = {reference:?}"), "take \"beam\" or \"foot\""]);
+    }
     let laws = text(place.path(), "stiffness_by_angle.json");
     let gensys = ["stiffness.json", "--to", "gensys", "--study", "study.toml"];
     let pair = serde_json::from_str::<Value>(&laws).unwrap()["pair"]["hash"].as_str().unwrap().to_string();

@@ -170,7 +170,7 @@ fn the_springs_are_recorded_with_what_made_them() {
     assert_eq!(stiffness["input_hash"].as_str().unwrap().len(), 64);
     let references: Vec<&Value> =
         stiffness["references"].as_array().unwrap().iter().map(|law| &law["reference"]).collect();
-    assert_eq!(references, ["beam", "local"]);
+    assert_eq!(references, ["beam", "local", "half-spaces"]);
 }
 
 #[test]

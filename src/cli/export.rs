@@ -32,7 +32,7 @@ pub(super) struct ExportArgs {
     /// Left out, all rows
     #[arg(long = "where", value_name = "COLUMN=VALUE", value_parser = condition)]
     conditions: Vec<Condition>,
-    /// What the law's displacement is measured against: beam, local or foot; left out, as in the study
+    /// What the law's displacement is measured against: beam, local, foot or half-spaces; left out, as in the study
     #[arg(long, value_name = "REFERENCE")]
     reference: Option<String>,
     /// The form of the law; left out, `table`, but `power` for stem and rose

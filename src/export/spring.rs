@@ -112,7 +112,10 @@ impl Spring {
                 "the hub against the rail's section at the contact: one spring in series with a beam for the rail"
             }
             "local" => {
-                "the approach of the two surfaces alone, without what wheel and rail deflect as bodies"
+                "the approach of the two surfaces alone, without what wheel and rail deflect as bodies; the roll of rim and head is in it"
+            }
+            "half-spaces" => {
+                "the approach of the two profiles on half-spaces, without bodies and without their roll, as half-space programs tabulate it"
             }
             _ => "the hub against the held foot of the rail: the bending of the rail's head and web is in it",
         };

@@ -5,6 +5,7 @@
 //! made larger, the bodies are meshed again, and the run starts again.
 
 use railspring_calibrate::analytic::hertz::point_contact;
+use railspring_calibrate::calibration::LARGEST_NORMAL;
 use railspring_calibrate::mesh::{ContactZone, MeshOptions, SectionOutline, rail_outline, wheel_outline};
 use railspring_profiles::error::{Error, InputError, NumericsError, Result};
 use railspring_profiles::field::InputField;
@@ -30,6 +31,9 @@ const AROUND: f64 = 8e-3;
 /// Distance of the first touch from the end of a zone from which it needs more, m: half the width of a usual patch.
 const NEAR_THE_END: f64 = 3e-3;
 
+/// Half length of the contact grid over that of the window.
+const BEYOND: f64 = 2.0;
+
 /// The study's mesh sizes, with a zone that holds the Hertz patch of the largest load and goes on beyond the first touch; a worn flange is steeper and
 /// touches deeper, so beside measured profiles the zones go on further down the two faces.
 pub fn mesh_options(statics: Statics<'_>, geometry: &Geometry) -> MeshOptions {
@@ -49,10 +53,11 @@ pub fn mesh_options(statics: Statics<'_>, geometry: &Geometry) -> MeshOptions {
         }
     }
     if let Some((_, _, patch)) = longest_patch(statics, geometry)
-        && patch > options.window_half_length
+        && patch > contact_half_length(statics, geometry, options.window_half_length)
         && window_is_ours(statics)
     {
-        options.window_half_length = window_for(statics, patch).min(longest_window(statics, geometry));
+        let longer = window_for(statics, patch).min(longest_window(statics, geometry));
+        options.window_half_length = longer.max(options.window_half_length);
     }
     options.contact_half_length = contact_half_length(statics, geometry, options.window_half_length);
     options
@@ -61,7 +66,6 @@ pub fn mesh_options(statics: Statics<'_>, geometry: &Geometry) -> MeshOptions {
 /// Half length of the contact grid of meshes with a window, m: a fine grid also carries a patch that goes on beyond the window, as that of
 /// the flange, so that one pair of bodies serves everywhere on the profiles.
 fn contact_half_length(statics: Statics<'_>, geometry: &Geometry, window: f64) -> f64 {
-    const BEYOND: f64 = 2.0;
     match statics.contact.field {
         FieldKey::Hybrid if window_is_ours(statics) => {
             (BEYOND * window).min(longest_window(statics, geometry))
@@ -83,7 +87,7 @@ pub fn check_loads(statics: Statics<'_>, geometry: &Geometry, monitor: &dyn Moni
     check_touch(statics, geometry)?;
     let Some((field, load, patch)) = longest_patch(statics, geometry) else { return Ok(()) };
     let window = statics.mesh.window_half_length;
-    if patch <= window {
+    if patch <= contact_half_length(statics, geometry, window) {
         return Ok(());
     }
     let most = if window_is_ours(statics) { longest_window(statics, geometry) } else { window };
@@ -157,10 +161,15 @@ fn window_is_ours(statics: Statics<'_>) -> bool {
 }
 
 /// Half length of a window that a patch of the half length `patch` does not fill: an element beyond it, and what
-/// neighbouring curvatures may add; in whole steps, so that pairs whose patches are alike share their bodies.
+/// neighbouring curvatures may add; in whole steps, so that pairs whose patches are alike share their bodies. A fine grid holds it where the
+/// contact grid does.
 fn window_for(statics: Statics<'_>, patch: f64) -> f64 {
     const STEP: f64 = 4e-3;
-    ((1.15 * patch + statics.mesh.contact_element_along) / STEP).ceil() * STEP
+    let beyond = match statics.contact.field {
+        FieldKey::Hybrid if window_is_ours(statics) => BEYOND,
+        FieldKey::Hybrid | FieldKey::Elements => 1.0,
+    };
+    ((1.15 * patch + statics.mesh.contact_element_along) / (beyond * STEP)).ceil() * STEP
 }
 
 /// Half length of the longest window that leaves most of the rail, and of the wheel below its axle, to the coarser mesh.
@@ -169,7 +178,8 @@ fn longest_window(statics: Statics<'_>, geometry: &Geometry) -> f64 {
 }
 
 /// The load with the longest Hertz patch along the track at the first touch: its field, the load (N) and the
-/// semi-axis (m), of the study's materials: the groups of a mesh are not known before it is read. Pressed down on a slope, the contact carries the load over the cosine of the contact angle.
+/// semi-axis (m), of the study's materials: the groups of a mesh are not known before it is read. Pressed down on a slope, the contact carries the load over the cosine of the contact angle, and no more than
+/// what loads end at.
 fn longest_patch(statics: Statics<'_>, geometry: &Geometry) -> Option<(InputField, f64, f64)> {
     let [along, across] = geometry.pair.relative_radii();
     let largest = |loads: &[f64]| loads.iter().copied().fold(0.0, f64::max);
@@ -180,7 +190,7 @@ fn longest_patch(statics: Statics<'_>, geometry: &Geometry) -> Option<(InputFiel
     ]
     .into_iter()
     .reduce(|a, b| if b.1 > a.1 { b } else { a })?;
-    let normal = load / geometry.pair.touch.contact_angle.cos();
+    let normal = (load / geometry.pair.touch.contact_angle.cos()).min(LARGEST_NORMAL * load);
     let patch = point_contact(normal, along, across, contact_modulus(statics)).ok()?;
     Some((field, load, patch.semi_axis_x))
 }

@@ -87,7 +87,7 @@ fn columns<'a>() -> Vec<Column<At<'a>>> {
             |at| Some(at.point?.local_um_per_kn);
         "wheel_um_per_kn", "Part of the wheel body, µm/kN; none in `local`", |at| at.point?.wheel_um_per_kn;
         "rail_um_per_kn", "Part of the rail body, µm/kN; none in `local`", |at| at.point?.rail_um_per_kn;
-        "sliding_um_per_kn", "Part of the friction of points that slide, µm/kN; none in `local`",
+        "sliding_um_per_kn", "Part of surfaces that move past each other, by friction or to other places on the profiles, µm/kN; none in `local`",
             |at| at.point?.sliding_um_per_kn;
         "law_a_kn_per_m", "Constant a of the law, kN/m", |at| Some(at.law?.law.constants.a_kn_per_m);
         "law_b_kn_per_m", "Constant b of the law, kN/m", |at| Some(at.law?.law.constants.b_kn_per_m);

@@ -347,7 +347,9 @@ fn published_springs(stiffness: &StiffnessRecord) -> Option<WheelSprings> {
 fn load_record(fixed: &FixedLoad) -> FixedLoadRecord {
     let beam = &fixed.points.beam;
     let reference = |(reference, p): (Reference, &LoadPoint)| {
-        let body = |part: f64| (reference != Reference::Local).then_some(part / MICROMETRE_PER_KILONEWTON);
+        let body = |part: f64| {
+            matches!(reference, Reference::Foot | Reference::Beam).then_some(part / MICROMETRE_PER_KILONEWTON)
+        };
         FixedReferenceRecord {
             reference: reference.name().into(),
             displacement_mm: p.displacement / MILLIMETRE,

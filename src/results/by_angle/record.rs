@@ -210,7 +210,7 @@ pub struct FixedReferenceRecord {
     pub wheel_um_per_kn: Option<f64>,
     /// Part of the rail body, µm/kN; none in `local`.
     pub rail_um_per_kn: Option<f64>,
-    /// Part of the friction of points that slide, µm/kN; none in `local`. The parts make up the tangent compliance.
+    /// Part of surfaces that move past each other, by friction or to other places on the profiles, µm/kN; none in `local`. The parts make up the tangent compliance.
     pub sliding_um_per_kn: Option<f64>,
 }
 

@@ -97,6 +97,7 @@ pub fn build(data: &ReportData<'_>) -> Report {
             "description": data.description,
             "first": first_screen::first_screen(data),
             "file": data.file,
+            "roll": stiffness.roll(),
             "constants": stiffness.references.iter().map(|r| first_screen::constants(&r.law)).collect::<Vec<_>>(),
             "surfaces": surfaces,
             "inputs": tables::grouped(data.inputs),

@@ -354,6 +354,7 @@ fn reference_style(reference: &str) -> (Marker, RGBColor) {
     match reference {
         "foot" => (Marker::Square, BLUE),
         "beam" => (Marker::Disc, DARK),
+        "half-spaces" => (Marker::Circle, GREY),
         _ => (Marker::Triangle, ORANGE),
     }
 }
@@ -364,12 +365,15 @@ fn reference_name(reference: &str) -> &str {
         "foot" => "hub against rail foot",
         "beam" => "hub against rail section",
         "local" => "approach of the surfaces",
+        "half-spaces" => "profiles on half-spaces",
         other => other,
     }
 }
 
 /// Keeps the references in one order for all figures.
 pub fn in_order(references: &mut [ReferenceRecord]) {
-    let rank = |name: &str| ["local", "beam", "foot"].iter().position(|known| *known == name).unwrap_or(3);
+    let rank = |name: &str| {
+        ["half-spaces", "local", "beam", "foot"].iter().position(|known| *known == name).unwrap_or(4)
+    };
     references.sort_by_key(|reference| rank(&reference.reference));
 }

@@ -13,6 +13,7 @@ use super::law::LawConstants;
 use crate::engine::seal::Sealed;
 use crate::results::bodies::record::{BodyMeshRecord, ProfileRecord};
 use crate::results::bodies::touch::TouchRecord;
+use crate::rounding::significant;
 use crate::study::PairRecord;
 
 /// `stiffness.json`: the springs and what made them.
@@ -118,6 +119,24 @@ impl StiffnessRecord {
         [&self.law_end, &self.horizontal_end].into_iter().flatten().map(|end| end.loads_left_out).sum()
     }
 
+    /// What the approach of the surfaces and that of the profiles on half-spaces differ by, in a sentence; none without both.
+    pub fn roll(&self) -> Option<String> {
+        let of = |name: &str| self.references.iter().find(|found| found.reference == name);
+        let (local, half_spaces) = (of("local")?, of("half-spaces")?);
+        let both = || local.points.iter().zip(&half_spaces.points);
+        let largest = |value: fn(&TangentRecord) -> f64| {
+            let off = both().map(|(local, half)| (value(local) / value(half) - 1.0, local.force_kn));
+            off.max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()))
+        };
+        let (displacement, tangent) = (largest(|p| p.displacement_mm)?, largest(|p| p.tangent_kn_per_m)?);
+        let part = |(off, force): (f64, f64)| format!("{:+.1} % at {} kN", 1e2 * off, significant(force, 3));
+        Some(format!(
+            "Against half-spaces the approach of the surfaces (local) differs by the roll of rim and head: displacement {}, tangent {} at most",
+            part(displacement),
+            part(tangent)
+        ))
+    }
+
     /// Mass of the solid wheel, kg.
     pub fn wheel_mass(&self) -> f64 {
         self.mesh.iter().find(|mesh| mesh.body == "wheel").map_or(f64::NAN, |mesh| mesh.mass_kg)
@@ -207,7 +226,7 @@ pub struct BoundRecord {
 /// The law with one reference.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ReferenceRecord {
-    /// `foot`, `beam` or `local`.
+    /// `foot`, `beam`, `local`, or `half-spaces`: the profiles alone, as half-space programs have them.
     pub reference: String,
     /// The law.
     pub law: LawRecord,
@@ -422,4 +441,29 @@ pub struct LoadCurveRow {
     /// The same of its depth.
     #[serde(default)]
     pub shear_depth_rel_error_band: Option<f64>,
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::results::samples;
+
+    /// Goal: the difference of `local` and `half-spaces` is the largest over the loads, with its sign and load, each by itself; without both laws there
+    /// is none. Source: the sample's own points, times known factors.
+    #[test]
+    fn the_roll_is_the_largest_difference() {
+        let mut stiffness = samples::springs::stiffness();
+        assert_eq!(stiffness.roll(), None);
+        let local = stiffness.references.iter().find(|found| found.reference == "local").unwrap();
+        let mut half_spaces = local.clone();
+        half_spaces.reference = "half-spaces".into();
+        let [first, second] = [half_spaces.points[0].force_kn, half_spaces.points[1].force_kn];
+        half_spaces.points[0].displacement_mm /= 1.05;
+        half_spaces.points[1].displacement_mm /= 0.99;
+        half_spaces.points[0].tangent_kn_per_m /= 1.01;
+        half_spaces.points[1].tangent_kn_per_m /= 0.8;
+        stiffness.references.push(half_spaces);
+        let said = stiffness.roll().unwrap();
+        let (displacement, tangent) = (format!("+5.0 % at {first}"), format!("-20.0 % at {second}"));
+        assert!(said.contains(&displacement) && said.contains(&tangent), "{said}");
+    }
 }

@@ -142,25 +142,34 @@ fn what_was_done_is_kept_where_no_larger_zone_can_be_had() {
     assert!(notes.0.into_inner().unwrap().is_empty());
 }
 
-/// Goal: the window that the program chooses is as long as the patch on the flange asks for, which the normal force,
-/// the load over the cosine of the contact angle, makes; one that the study gives stays, and the load is refused.
+/// Goal: the contact grid that the program chooses is as long as the patch on the flange asks for, which the normal force makes: 1.25 times the
+/// load, at which loads end, and not the load over the cosine of the contact angle, 2.9 times. A usual load keeps the usual window. One that the study
+/// gives stays, and the load is refused.
 #[test]
 fn the_window_follows_the_patch_unless_the_study_gives_it() {
     let loads = |text: &str| flange_contact(text);
     let mut study = loads("");
     study.rail.length = 0.555;
-    study.calibration.loads = vec![85e3];
+    study.calibration.loads = vec![160e3];
     let geometry = geometry::geometry(study.statics()).unwrap();
     let [along, across] = geometry.pair.relative_radii();
     let hertz = |load| {
         point_contact(load, along, across, study.rail.material.contact_modulus(&study.wheel.material))
             .unwrap()
     };
-    let patch = hertz(85e3 / geometry.pair.touch.contact_angle.cos()).semi_axis_x;
-    assert!(patch > 1.3 * hertz(85e3).semi_axis_x, "{patch}");
+    let usual = mesh_options(study.statics(), &geometry);
+    assert!(usual.contact_half_length > hertz(1.25 * 160e3).semi_axis_x);
+    assert!(usual.contact_half_length < hertz(160e3 / geometry.pair.touch.contact_angle.cos()).semi_axis_x);
+    assert_eq!(usual.window_half_length, study.mesh.window_half_length);
     let notes = Notes::default();
     check_loads(study.statics(), &geometry, &notes).unwrap();
-    assert!(mesh_options(study.statics(), &geometry).window_half_length > patch);
+    assert!(notes.0.lock().unwrap().is_empty());
+    study.calibration.loads = vec![500e3];
+    let patch = hertz(1.25 * 500e3).semi_axis_x;
+    check_loads(study.statics(), &geometry, &notes).unwrap();
+    let longer = mesh_options(study.statics(), &geometry);
+    assert!(patch > usual.contact_half_length && longer.contact_half_length > patch, "{patch}");
+    assert!(longer.window_half_length > usual.window_half_length);
     assert!(notes.0.into_inner().unwrap()[0].contains("instead of"));
 
     let mut given = loads("window_half_length_mm = 12\n");

@@ -37,14 +37,14 @@ pub(super) fn accepted_reference(
         Some("foot") => {
             "against the rail's foot it has the rail's bending, which the beam adds a second time"
         }
-        Some("local") => {
+        Some("local" | "half-spaces") => {
             "the approach of the surfaces alone leaves out the deflection of wheel and rail head"
         }
         Some(other) => {
             return Err(InputError::new(
                 key,
                 format!("{other:?}"),
-                "\"foot\", \"beam\" or \"local\"",
+                "\"foot\", \"beam\", \"local\" or \"half-spaces\"",
                 "correct the file",
             )
             .into());

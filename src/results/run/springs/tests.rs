@@ -298,7 +298,9 @@ fn another_reference_and_another_pair_need_the_studys_word() {
     let accepting = study(
         "[simulation]\nelement = \"published\"\nlaw_accepted = [\"another-pair\", \"another-reference\"]\n",
     );
-    for (reference, reason) in [("foot", "a second time"), ("local", "leaves out")] {
+    for (reference, reason) in
+        [("foot", "a second time"), ("local", "leaves out"), ("half-spaces", "leaves out")]
+    {
         let law = LAW.replace("\"beam\"", &format!("{reference:?}"));
         let text = refusal(&plain, &law);
         assert!(text.contains(reason) && text.contains("law_accepted = [\"another-reference\"]"), "{text}");
