@@ -7,6 +7,7 @@ use railspring::cli::Failure;
 use railspring::cli::output::complain;
 
 use crate::bench::{self, BenchCommand};
+use crate::half_space::{self, HalfSpaceArgs};
 use crate::long::{self, LongArgs};
 use crate::reference::{self, ReferenceArgs};
 use crate::same_bytes::{self, SameBytesArgs};
@@ -28,6 +29,9 @@ enum Command {
     Reference(ReferenceArgs),
     /// Run the tests that are ignored otherwise, one after another, and write a table of them; exit code 1 if one fails
     Long(LongArgs),
+    /// Compare contact on half-spaces, stiff and flexible bodies with the tables of a half-space program; exit code 1 if half-spaces or stiff
+    /// bodies do not hold a limit. Writes half-space.md, half-space.csv, flange.csv and a figure for each of the bodies
+    HalfSpace(HalfSpaceArgs),
     /// Run two builds of railspring on the same studies and compare their files byte for byte; exit code 1 if one differs
     SameBytes(SameBytesArgs),
 }
@@ -43,6 +47,7 @@ pub fn main() -> ExitCode {
         Command::Bench(command) => bench::run(&command).map(|()| true),
         Command::Reference(args) => reference::write(&args).map(|()| true).map_err(Failure::from),
         Command::Long(args) => long::run(&args).map_err(Failure::from),
+        Command::HalfSpace(args) => half_space::run(&args).map_err(Failure::from),
         Command::SameBytes(args) => same_bytes::run(&args).map_err(Failure::from),
     };
     match done {

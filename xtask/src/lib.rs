@@ -9,6 +9,7 @@ mod reference;
 mod workspace;
 mod ignored;
 mod long;
+mod half_space;
 mod same_bytes;
 mod cli;
 
