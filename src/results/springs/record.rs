@@ -451,7 +451,7 @@ mod tests {
     /// is none. Source: the sample's own points, times known factors.
     #[test]
     fn the_roll_is_the_largest_difference() {
-        let mut stiffness = samples::springs::stiffness();
+        let mut stiffness = samples::stiffness();
         assert_eq!(stiffness.roll(), None);
         let local = stiffness.references.iter().find(|found| found.reference == "local").unwrap();
         let mut half_spaces = local.clone();
