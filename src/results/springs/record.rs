@@ -445,6 +445,7 @@ pub struct LoadCurveRow {
 
 #[cfg(test)]
 mod tests {
+    use super::significant;
     use crate::results::samples;
 
     /// Goal: the difference of `local` and `half-spaces` is the largest over the loads, with its sign and load, each by itself; without both laws there
@@ -463,7 +464,8 @@ mod tests {
         half_spaces.points[1].tangent_kn_per_m /= 0.8;
         stiffness.references.push(half_spaces);
         let said = stiffness.roll().unwrap();
-        let (displacement, tangent) = (format!("+5.0 % at {first}"), format!("-20.0 % at {second}"));
+        let [first, second] = [first, second].map(|force| significant(force, 3));
+        let (displacement, tangent) = (format!("+5.0 % at {first} kN"), format!("-20.0 % at {second} kN"));
         assert!(said.contains(&displacement) && said.contains(&tangent), "{said}");
     }
 }

@@ -29,12 +29,13 @@ impl Monitor for Notes {
     }
 }
 
-/// S1002 with its flange on the gauge face, coarse and in a moment; `keys` go to the end of the file.
+/// S1002 with its flange on the gauge face, coarse and in a moment; `keys` go to the end of the file. 8 kN downwards are a normal force of 13 kN there: the
+/// largest load is as large that they are put on.
 fn flange_contact(keys: &str) -> Study {
     let text = format!(
         "name = \"flange\"\n[rail]\nprofile = \"60E1\"\nlength_m = 0.3\n[wheel]\nprofile = \"S1002\"\n\
          tape_diameter_m = 0.858\n[track]\nlateral_shift_mm = 7\n[contact]\nfriction = 0.3\n\
-         [calibration]\nloads_kn = [1, 2, 4, 8]\nhorizontal_preloads_kn = [4]\n\
+         [calibration]\nloads_kn = [1, 2, 4, 8, 20]\nhorizontal_preloads_kn = [4]\n\
          [mesh]\ncontact_element_mm = 3\ncontact_element_along_mm = 3\nelement = \"full-integration\"\n{keys}"
     );
     Study::parse(Path::new("flange.toml"), &text).map_err(|e| e.to_string()).unwrap()
