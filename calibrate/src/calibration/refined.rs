@@ -7,8 +7,8 @@
 use super::far_field::Solids;
 use super::fine::FineContact;
 use super::grid::{area, touches_border, widths};
-use super::patch::regions_of;
 use super::pressed::{Pressed, WheelOnRail};
+use super::regions::regions_of;
 use crate::contact::{ContactPoint, Hat, Lattice, Problem, displacement_far_from, gaps, hats, solve_held};
 use nalgebra::{Vector2, Vector3};
 use railspring_profiles::error::Result;
