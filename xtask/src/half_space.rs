@@ -5,8 +5,8 @@
 
 mod facts;
 mod bodies;
-mod press;
 mod record;
+mod press;
 mod table;
 mod figure;
 
