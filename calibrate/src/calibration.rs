@@ -194,8 +194,18 @@ pub fn points_apart(
 /// Of the largest load, what a normal force may be. Downwards on a flange, 150 kN are a normal force of 440 kN, which no one asks for.
 pub const LARGEST_NORMAL: f64 = 1.25;
 
+impl WheelOnRail<'_> {
+    /// [`Self::press`] with one of the loads up to the `largest`, unless the normal force would be more than [`LARGEST_NORMAL`] of that.
+    ///
+    /// # Errors
+    /// Those of [`Self::press`], and [`StopReason::SteepContact`].
+    pub fn press_one_of(&self, load: f64, before: Option<&Pressed>, largest: f64) -> Result<Pressed> {
+        too_steep(before, load, largest).map_or_else(|| self.press(load, before), Err)
+    }
+}
+
 /// Why a load is not put on: after the state `before`, the normal force would be too large for loads up to the `largest`.
-pub fn too_steep(before: Option<&Pressed>, load: f64, largest: f64) -> Option<Error> {
+fn too_steep(before: Option<&Pressed>, load: f64, largest: f64) -> Option<Error> {
     let before = before?;
     let normal: f64 = before.solution.forces[..before.points.len()].iter().sum();
     let wanted = normal * load / before.load;
@@ -216,7 +226,7 @@ fn ends_the_loads(reason: StopReason) -> bool {
 }
 
 /// The same up to the first load whose contact reaches the end of the contact zone, that no fine grid holds, or whose normal force is too large
-/// ([`too_steep`]), and that error, if there is such a load.
+/// ([`WheelOnRail::press_one_of`]), and that error, if there is such a load.
 ///
 /// # Errors
 /// Those of [`press_loads`] for other reasons.
@@ -227,11 +237,7 @@ pub fn press_carried(
     monitor: &dyn Monitor,
 ) -> Result<(Vec<Pressed>, Option<Error>)> {
     let largest = loads.last().copied().unwrap_or(0.0);
-    let press = |load, before: Option<&Pressed>| match too_steep(before, load, largest) {
-        Some(steep) => Err(steep),
-        None => wheel_on_rail.press(load, before),
-    };
-    press_each(press, loads, stage, monitor)
+    press_each(|load, before| wheel_on_rail.press_one_of(load, before, largest), loads, stage, monitor)
 }
 
 /// The same, each load by `press`.
@@ -446,10 +452,10 @@ pub fn calibrate_horizontal(
     let mut points = Vec::new();
     let mut before: Option<Pressed> = None;
     let mut ended = None;
+    let largest = preloads.last().copied().unwrap_or(0.0);
     for (i, &preload) in preloads.iter().enumerate() {
         monitor.progress("horizontal stiffness", i, preloads.len())?;
-        let steep = too_steep(before.as_ref(), preload, preloads.last().copied().unwrap_or(0.0));
-        let state = match steep.map_or_else(|| wheel_on_rail.press(preload, before.as_ref()), Err) {
+        let state = match wheel_on_rail.press_one_of(preload, before.as_ref(), largest) {
             Err(Error::Numerics(end)) if before.is_some() && ends_the_loads(end.reason) => {
                 ended = Some(end.into());
                 break;

@@ -33,10 +33,20 @@ impl Enforcement {
     ) -> Mat<f64> {
         let rail = BodyCompliance { compliance: rail, side: Side::Base };
         let wheel = BodyCompliance { compliance: wheel, side: Side::Opposing };
+        self.with([&rail, &wheel], points, directions)
+    }
+
+    /// Compliance at `points` of both `bodies` and of the penalty springs if there are any.
+    fn with(
+        self,
+        [rail, wheel]: [&dyn Compliance; 2],
+        points: &[ContactPoint],
+        directions: usize,
+    ) -> Mat<f64> {
         match self {
-            Self::Exact => total(&[&rail, &wheel], points, directions),
+            Self::Exact => total(&[rail, wheel], points, directions),
             Self::Penalty(stiffness) => {
-                total(&[&rail, &wheel, &PenaltySprings { stiffness }], points, directions)
+                total(&[rail, wheel, &PenaltySprings { stiffness }], points, directions)
             }
         }
     }
@@ -183,14 +193,7 @@ impl WheelOnRail<'_> {
             Bodies::Condensed { rail, wheel } => self.enforcement.compliance(rail, wheel, points, directions),
             Bodies::HalfSpaces => {
                 let [rail, wheel] = self.half_spaces();
-                let springs = match self.enforcement {
-                    Enforcement::Exact => None,
-                    Enforcement::Penalty(stiffness) => Some(PenaltySprings { stiffness }),
-                };
-                let springs = springs.iter().map(|springs| springs as &dyn Compliance);
-                let parts: Vec<&dyn Compliance> =
-                    [&rail as &dyn Compliance, &wheel].into_iter().chain(springs).collect();
-                total(&parts, points, directions)
+                self.enforcement.with([&rail, &wheel], points, directions)
             }
         }
     }

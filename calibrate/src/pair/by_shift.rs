@@ -9,7 +9,7 @@ use super::geometry::Pair;
 use super::references::ByReference;
 use crate::calibration::{
     DOWNWARDS, LoadPoint, NormalCalibration, Patch, PatchBand, PatchValues, Pressed, Reference, Region,
-    Sticking, WheelOnRail, load_point, regions, sticking_flexibility, subtract_bodies, too_steep,
+    Sticking, WheelOnRail, load_point, regions, sticking_flexibility, subtract_bodies,
 };
 use crate::law::LEAST_LOADS;
 use nalgebra::{Matrix2, Point2, Unit, Vector2};
@@ -307,9 +307,7 @@ impl Sequence {
         let largest = loads.last().copied().unwrap_or(0.0);
         for (i, load) in loads.into_iter().enumerate() {
             going_on()?;
-            let steep = too_steep(before.as_ref(), load, largest);
-            let pressed = steep.map_or_else(|| wheel_on_rail.press(load, before.as_ref()), Err);
-            let pressed = pressed.and_then(|state| {
+            let pressed = wheel_on_rail.press_one_of(load, before.as_ref(), largest).and_then(|state| {
                 let point = load_point(wheel_on_rail, &state)?;
                 let contacts = contacts(&state);
                 if contacts.len() > 1 {
