@@ -113,7 +113,7 @@ pub fn rail_analysis(section: &RailSection) -> Result<RailAnalysis> {
         rail_section_element: ELEMENT,
         ..MeshOptions::default()
     };
-    let mesh = mesh_section(&rail_outline(section, &options)?, &options.sizes(options.rail_section_element))?;
+    let mesh = mesh_section(&rail_outline(section, &options)?, &options.rail_sizes())?;
     let solved = Solved::new(&mesh, |p| nearest_on_outline(section, p))?;
     let found = &solved.analysis;
     let exact = &section.area;

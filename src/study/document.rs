@@ -134,10 +134,10 @@ pub struct MeshKeys {
     /// Ratio of the lengths of neighbouring elements along the track, outside the contact zone.
     #[schemars(range(min = 1.05, max = 3.0), extend("x-field" = InputField::Growth.name()))]
     pub growth: f64,
-    /// Largest element of the rail's section, mm.
+    /// Largest element of the rail's section, mm; those over its web and on its fillets are smaller in proportion.
     #[schemars(range(min = 2.0, max = 100.0), extend("x-field" = InputField::RailSectionElement.name()))]
     pub rail_section_element_mm: f64,
-    /// Largest element of the wheel's section, mm.
+    /// Largest element of the wheel's section, mm; those over its disc and on its fillets are smaller in proportion.
     #[schemars(range(min = 2.0, max = 100.0), extend("x-field" = InputField::WheelSectionElement.name()))]
     pub wheel_section_element_mm: f64,
     /// Longest element along the rail, mm.
@@ -172,9 +172,9 @@ impl Default for MeshKeys {
             window_half_length_mm: 12.0,
             growth: 1.6,
             rail_section_element_mm: 12.0,
-            wheel_section_element_mm: 20.0,
+            wheel_section_element_mm: 14.0,
             rail_length_element_mm: 40.0,
-            wheel_arc_element_mm: 120.0,
+            wheel_arc_element_mm: 80.0,
             layers: None,
             first_layer_mm: None,
             target_error: None,

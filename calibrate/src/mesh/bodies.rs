@@ -148,7 +148,7 @@ pub fn rail_grid_half_length(length: f64, options: &MeshOptions) -> f64 {
 fn rail_section_mesh(section: &RailSection, length: f64, options: &MeshOptions) -> Result<SectionMesh> {
     options.check()?;
     check_rail_window(length, options)?;
-    mesh_section(&rail_outline(section, options)?, &options.sizes(options.rail_section_element))
+    mesh_section(&rail_outline(section, options)?, &options.rail_sizes())
 }
 
 /// Positions of the layers of nodes along x.
@@ -174,7 +174,7 @@ pub fn mesh_wheel(section: &WheelSection, options: &MeshOptions) -> Result<HexMe
 fn wheel_section_mesh(section: &WheelSection, options: &MeshOptions) -> Result<SectionMesh> {
     options.check()?;
     check_wheel_window(section.radius, options)?;
-    mesh_section(&wheel_outline(section, options)?, &options.sizes(options.wheel_section_element))
+    mesh_section(&wheel_outline(section, options)?, &options.wheel_sizes())
 }
 
 /// Angles of the layers of nodes. Half around, as arc length at the tape circle; the far end is one layer of nodes.

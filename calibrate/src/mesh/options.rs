@@ -42,9 +42,9 @@ pub struct MeshOptions {
     /// Growth of the element size in the section per unit of distance from the
     /// contact zone; below about 0.1 the section fills with fine elements.
     pub section_growth: f64,
-    /// Largest element of a rail's section.
+    /// Largest element of a rail's section; those over its web and on its fillets are smaller in proportion.
     pub rail_section_element: f64,
-    /// Largest element of a wheel's section.
+    /// Largest element of a wheel's section; those over its disc and on its fillets are smaller in proportion.
     pub wheel_section_element: f64,
     /// Ratio of the lengths of neighbouring elements along the sweep, outside the window.
     pub growth: f64,
@@ -67,11 +67,11 @@ impl Default for MeshOptions {
             rail_zone: ContactZone { face_depth: 20e-3, field_y: 22e-3 },
             wheel_zone: ContactZone { face_depth: 21e-3, field_y: 32e-3 },
             section_growth: 0.3,
-            rail_section_element: 12e-3,
-            wheel_section_element: 20e-3,
+            rail_section_element: RAIL_SECTION_ELEMENT,
+            wheel_section_element: WHEEL_SECTION_ELEMENT,
             growth: 1.6,
             rail_length_element: 40e-3,
-            wheel_arc_element: 120e-3,
+            wheel_arc_element: 80e-3,
         }
     }
 }
@@ -114,9 +114,23 @@ impl MeshOptions {
         (layers.unwrap_or(MOST_LAYERS), first)
     }
 
-    /// Sizes of a section whose largest element is `largest`.
-    #[must_use]
-    pub(crate) fn sizes(&self, largest: f64) -> SectionSizes {
+    /// Sizes of a rail's section.
+    pub(crate) fn rail_sizes(&self) -> SectionSizes {
+        self.sizes(self.rail_section_element, self.rail_section_element / RAIL_SECTION_ELEMENT, LARGEST_PARTS)
+    }
+
+    /// Sizes of a wheel's section: finer over its disc and on its fillets, whose bending is most of the lateral
+    /// flexibility of a wheel.
+    pub(crate) fn wheel_sizes(&self) -> SectionSizes {
+        self.sizes(
+            self.wheel_section_element,
+            self.wheel_section_element / WHEEL_SECTION_ELEMENT,
+            [0.3, 0.15],
+        )
+    }
+
+    /// The `parts` of thickness and radius go along with the elements, by `factor`, up to [`LARGEST_PARTS`].
+    fn sizes(&self, largest: f64, factor: f64, parts: [f64; 2]) -> SectionSizes {
         let (layers, first_layer) = self.layering();
         SectionSizes {
             layers,
@@ -124,6 +138,8 @@ impl MeshOptions {
             layer_growth: self.layer_growth,
             growth: self.section_growth,
             largest,
+            of_thickness: (factor * parts[0]).min(LARGEST_PARTS[0]),
+            of_radius: (factor * parts[1]).min(LARGEST_PARTS[1]),
         }
     }
 
@@ -187,6 +203,13 @@ fn layer_depth(first: f64, growth: f64, layers: usize) -> f64 {
     first * (0..layers).map(|i| growth.powi(i as i32)).sum::<f64>()
 }
 
+/// Usual largest element of a rail's section, m.
+const RAIL_SECTION_ELEMENT: f64 = 12e-3;
+/// Usual largest element of a wheel's section, m.
+const WHEEL_SECTION_ELEMENT: f64 = 14e-3;
+/// Largest parts of thickness and radius that an element may have: two elements over the thickness, and eight on a half
+/// circle.
+const LARGEST_PARTS: [f64; 2] = [0.575, 0.4];
 /// Largest thickness of a first layer that follows from the contact element, m.
 const LARGEST_FIRST_LAYER: f64 = 2e-3;
 /// Least depth of layers whose number follows, m: two layers under elements of 2 mm are 4.5 mm.

@@ -7,6 +7,7 @@
 //!    quadrilaterals). So every cell becomes quadrilateral, and the layers' nodes
 //!    are met because the coarse boundary takes every second of them.
 //! 3. Smoothing moves the inner nodes, and those of the rest of the outline along it.
+//! 4. The nodes of the rest of the outline leave it so far that the mesh has the area of the section.
 
 use nalgebra::{Point2, Vector2};
 
@@ -21,12 +22,6 @@ use railspring_profiles::units::MILLIMETRE;
 const CORNER_WINDOW: f64 = 4e-3;
 /// Distance (m) of the points at which the sizes along the outline are set.
 const SIZE_STEP: f64 = 1e-3;
-/// Edge of the coarse mesh as part of the thickness of the section there: two
-/// elements across after the division.
-const EDGE_TO_THICKNESS: f64 = 1.15;
-/// Edge of the coarse mesh as part of the radius of curvature of the outline.
-const EDGE_TO_RADIUS: f64 = 0.8;
-
 /// Least width of the layers' lower side, as part of that of the surface above it: on an edge that is rounded more tightly than the
 /// layers are deep, they would fold.
 const LEAST_LAYER_WIDTH: f64 = 0.2;
@@ -71,6 +66,10 @@ pub struct SectionSizes {
     pub growth: f64,
     /// Largest element.
     pub largest: f64,
+    /// Edge of an element as part of the thickness of the section there.
+    pub of_thickness: f64,
+    /// Edge of an element as part of the radius of curvature of the outline.
+    pub of_radius: f64,
 }
 
 /// Mesh of quadrilaterals of a plane section.
@@ -255,6 +254,8 @@ impl<'a> Builder<'a> {
 
         self.inner(&coarse, &size)?;
         smooth(&mut self.nodes, &self.quads, &mut self.freedom, &self.rest);
+        let rest: Vec<usize> = loop_nodes[rest_start..].iter().copied().chain([at(0, 0)]).collect();
+        self.keep_area(&rest);
 
         let mut boundary: Vec<usize> = (0..columns).map(|i| at(i, 0)).collect();
         boundary.extend(&loop_nodes[rest_start + 1..]);
@@ -327,10 +328,10 @@ impl<'a> Builder<'a> {
             let direction = self.rest.direction(t);
             let inward = Vector2::new(-direction.y, direction.x);
             let point = self.rest.point(t);
-            let across = EDGE_TO_THICKNESS * thickness(self.closed, &point, &inward);
+            let across = 2.0 * self.sizes.of_thickness * thickness(self.closed, &point, &inward);
             let turn = self.rest.turning(t - CORNER_WINDOW, t + CORNER_WINDOW).abs();
             let radius = 2.0 * CORNER_WINDOW / turn.max(1e-6);
-            field.add(point, across.min(EDGE_TO_RADIUS * radius).max(CORNER_WINDOW));
+            field.add(point, across.min(2.0 * self.sizes.of_radius * radius).max(CORNER_WINDOW));
         }
         field
     }
@@ -354,7 +355,7 @@ impl<'a> Builder<'a> {
                     break; // the first node of the layers
                 }
                 let freedom = if last {
-                    Freedom::Fixed
+                    Freedom::Corner { at: *t }
                 } else {
                     let range = (t - SLIDE * (t - positions[k - 1]), t + SLIDE * (positions[k + 1] - t));
                     Freedom::Slides { at: *t, range }
@@ -364,6 +365,28 @@ impl<'a> Builder<'a> {
             }
         }
         loop_nodes
+    }
+
+    /// Moves the nodes of the `rest` of the outline, both ends included, off it, so far that their polygon has the area of the outline. With
+    /// its nodes on the outline a polygon is too thick at a fillet and too thin at a rounding, and a disc bends at its
+    /// fillets. Corners and the contact zone stay.
+    fn keep_area(&mut self, rest: &[usize]) {
+        let at = |node: usize| match self.freedom[node] {
+            Freedom::Slides { at, .. } | Freedom::Corner { at } => Some(at),
+            Freedom::Fixed | Freedom::Free => None,
+        };
+        let shift = |[before, here, after]: [usize; 3]| {
+            let Freedom::Slides { at: middle, .. } = self.freedom[here] else { return None };
+            let (from, to) = (at(before).unwrap_or(0.0), at(after).unwrap_or(self.rest.length()));
+            let missing = self.rest.area_to_chord(from, middle) + self.rest.area_to_chord(middle, to);
+            let [p, q, r] = [before, here, after].map(|node| self.nodes[node]);
+            let outward = Vector2::new(r.y - p.y, p.x - r.x).normalize();
+            Some((here, missing / ((q - p).norm() + (r - q).norm()) * outward))
+        };
+        let shifts: Vec<_> = rest.windows(3).filter_map(|w| shift([w[0], w[1], w[2]])).collect();
+        for (node, shift) in shifts {
+            self.nodes[node] += shift;
+        }
     }
 
     /// Fills the inner domain.

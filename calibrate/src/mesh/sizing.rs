@@ -105,6 +105,20 @@ impl Polyline {
         positions
     }
 
+    /// Area between the line and its chord from the arc length `from` to `to`, positive where the line lies to the right
+    /// of the chord.
+    pub(super) fn area_to_chord(&self, from: f64, to: f64) -> f64 {
+        let (start, end) = (self.point(from), self.point(to));
+        let inner = self.points.get(self.segment(from) + 1..=self.segment(to)).unwrap_or_default();
+        let line = inner.iter().chain([&end]).map(|point| point - start);
+        line.scan(Vector2::zeros(), |before, here| {
+            let area = 0.5 * before.perp(&here);
+            *before = here;
+            Some(area)
+        })
+        .sum()
+    }
+
     /// Sum of the signed turning angles (rad, positive to the left) at the
     /// vertices strictly between the arc lengths `from` and `to`.
     pub(super) fn turning(&self, from: f64, to: f64) -> f64 {

@@ -24,6 +24,11 @@ const LAST_STEP: f64 = 0.005;
 pub(super) enum Freedom {
     /// Not at all.
     Fixed,
+    /// Not at all: it is a corner of the outline.
+    Corner {
+        /// Arc length at which it is.
+        at: f64,
+    },
     /// Along the outline: arc length there, now, least and most.
     Slides {
         /// Arc length at which the node is.
@@ -57,7 +62,7 @@ pub(super) fn smooth(
                 continue;
             }
             let moved = match freedom[v] {
-                Freedom::Fixed => false,
+                Freedom::Fixed | Freedom::Corner { .. } => false,
                 Freedom::Free => {
                     const DIAGONAL: f64 = std::f64::consts::FRAC_1_SQRT_2;
                     let directions = [

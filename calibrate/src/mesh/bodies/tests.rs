@@ -98,11 +98,7 @@ fn the_rail_has_its_volume_good_elements_and_conforms() {
     let q = assert_good(&mesh, 17_000);
     assert!((q.volume / (section.area.area * LENGTH) - 1.0).abs() < DISCRETISATION_RAIL, "{q:?}");
     let options = MeshOptions::default();
-    let plane = mesh_section(
-        &rail_outline(&section, &options).unwrap(),
-        &options.sizes(options.rail_section_element),
-    )
-    .unwrap();
+    let plane = mesh_section(&rail_outline(&section, &options).unwrap(), &options.rail_sizes()).unwrap();
     let layers = mesh.nodes.len() / plane.nodes.len();
     let faces = plane.boundary.len() * (layers - 1) + 2 * plane.quads.len();
     assert_conforming(&mesh, faces);
@@ -130,13 +126,9 @@ fn the_sizes_are_those_of_the_meshes() {
 #[test]
 fn the_wheel_has_its_volume_good_elements_and_conforms() {
     let (section, mesh) = wheel();
-    let q = assert_good(&mesh, 25_000);
+    let q = assert_good(&mesh, 45_000);
     let options = MeshOptions::default();
-    let plane = mesh_section(
-        &wheel_outline(&section, &options).unwrap(),
-        &options.sizes(options.wheel_section_element),
-    )
-    .unwrap();
+    let plane = mesh_section(&wheel_outline(&section, &options).unwrap(), &options.wheel_sizes()).unwrap();
     let layers = mesh.nodes.len() / plane.nodes.len();
     // Between two layers a body of revolution becomes sin Δθ / Δθ of itself, whatever its section.
     let exact = body_of_revolution(&section, 1.0).mass;

@@ -228,7 +228,7 @@ fn a_body_out_of_its_place_is_refused() {
             group_names: Vec::new(),
         };
     });
-    has(&half, &["wheel_mesh = no nodes over 192.", "a full wheel"]);
+    has(&half, &["wheel_mesh = no nodes over 190.", "a full wheel"]);
 }
 
 #[test]

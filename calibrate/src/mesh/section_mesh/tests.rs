@@ -4,8 +4,15 @@ use super::*;
 
 /// Position of nodes and areas that are exact but for rounding, relative.
 const ROUNDOFF: f64 = 1e-12;
-const SIZES: SectionSizes =
-    SectionSizes { layers: 2, first_layer: 2e-3, layer_growth: 1.25, growth: 0.3, largest: 12e-3 };
+const SIZES: SectionSizes = SectionSizes {
+    layers: 2,
+    first_layer: 2e-3,
+    layer_growth: 1.25,
+    growth: 0.3,
+    largest: 12e-3,
+    of_thickness: 0.575,
+    of_radius: 0.4,
+};
 
 /// A head 80 x 30 mm whose upper side (towards smaller z) has a contact zone of
 /// 40 mm, on a web 15 mm thick that swings sideways by `swing`, 120 mm deep.
@@ -94,10 +101,39 @@ fn a_curved_web_keeps_its_area() {
     let outline = head_on_a_web(40e-3);
     let mesh = mesh_section(&outline, &SIZES).unwrap();
     let exact = 80e-3 * 30e-3 + 15e-3 * 120e-3;
-    // DISCRETISATION: chords of at most 10 mm on radii of at least 40 mm, c²/(12 R) on 0.25 m of web;
-    // the two sides of the web err in opposite senses.
-    assert!((mesh.area() / exact - 1.0).abs() < 0.25 * 1e-4 / (12.0 * 40e-3) / exact, "{}", mesh.area());
+    // DISCRETISATION: nodes that leave the outline by c²/(12 R) = 0.2 mm in place of its chords of 10 mm on radii of 40 mm;
+    // at the four corners of 0.25 m of web half an edge keeps its chord.
+    assert!((mesh.area() / exact - 1.0).abs() < 4.0 * 5e-3 * 0.2e-3 / exact, "{}", mesh.area());
     assert!(mesh.min_scaled_jacobian() > 0.3, "{}", mesh.min_scaled_jacobian());
+}
+
+/// Source: the area of a disc 20 mm thick on a head, with fillets of radius 25 mm: `(1 - π/4) R²` each. Goal: the mesh has that
+/// area, with three elements on a fillet, where chords alone are 2/3 of their height `c²/(8 R)` too thick. Accuracy:
+/// DISCRETISATION of the ends of each fillet, half an edge with its chord: a third of what chords would make.
+#[test]
+fn fillets_keep_their_area() {
+    const RADIUS: f64 = 25e-3;
+    let (half, top, bottom) = (10e-3, 30e-3, 130e-3);
+    let mut outline = head_on_a_web(0.0);
+    let fillet = |side: f64| {
+        (0..=100).map(move |k| {
+            let (sin, cos) = (0.5 * std::f64::consts::PI * f64::from(k) / 100.0).sin_cos();
+            Point2::new(side * (half + RADIUS * (1.0 - sin)), top + RADIUS * (1.0 - cos))
+        })
+    };
+    let mut rest = vec![Point2::new(20e-3, 0.0), Point2::new(40e-3, 0.0), Point2::new(40e-3, top)];
+    rest.extend(fillet(1.0));
+    rest.extend([Point2::new(half, bottom), Point2::new(-half, bottom)]);
+    rest.extend(fillet(-1.0).collect::<Vec<_>>().into_iter().rev());
+    rest.extend([Point2::new(-40e-3, top), Point2::new(-40e-3, 0.0), Point2::new(-20e-3, 0.0)]);
+    outline.rest = rest;
+    let mesh = mesh_section(&outline, &SIZES).unwrap();
+    let corner = (1.0 - 0.25 * std::f64::consts::PI) * RADIUS * RADIUS;
+    let exact = 80e-3 * 30e-3 + 2.0 * half * (bottom - top) + 2.0 * corner;
+    let chord = 0.4 * RADIUS;
+    let of_chords = 2.0 * 0.5 * std::f64::consts::PI * RADIUS * chord * chord / (12.0 * RADIUS);
+    let off = mesh.area() - exact;
+    assert!(off.abs() < of_chords / 3.0, "{off} m² off, chords {of_chords}");
 }
 
 #[test]
