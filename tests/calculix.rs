@@ -94,6 +94,35 @@ fn calculix_finds_the_load() {
     assert!((reaction / LOAD - 1.0).abs() < DISCRETISATION, "{reaction}");
 }
 
+/// Source: CalculiX's brick with full integration on the same meshes. Goal: mean lateral displacement of each body's contact under lateral
+/// forces of one in all, m/N. Accuracy: the seven digits that it prints, of some forty nodes.
+#[test]
+fn calculix_finds_the_lateral_flexibility() {
+    /// ROUNDOFF of the printed digits.
+    const PRINTED: f64 = 1e-6;
+    let version = calculix::version();
+    if !needs(Need::Calculix, "CalculiX (ccx)", version.is_ok()) {
+        return;
+    }
+    let (program, _) = version.unwrap();
+    let answers = &prepared().answers;
+    let root = tempfile::tempdir().unwrap();
+    let bodies = [&answers.rail, &answers.wheel];
+    let text = deck(0.0, &[]).lateral_text(bodies.map(|body| body.lateral.as_slice()));
+    std::fs::write(root.path().join("deck.inp"), text).unwrap();
+    let moved =
+        calculix::displacements(program, root.path(), "deck", &Silent).unwrap_or_else(|e| panic!("{e}"));
+    for (body, offset) in bodies.into_iter().zip([0, prepared().meshes.rail.nodes.len()]) {
+        assert!((body.lateral.iter().map(|(_, force)| force).sum::<f64>() - 1.0).abs() < 1e-12);
+        let mean: f64 = body.lateral.iter().map(|(node, force)| force * moved[&(node + offset + 1)].y).sum();
+        assert!(
+            (mean / body.lateral_flexibility - 1.0).abs() < PRINTED,
+            "{mean} {}",
+            body.lateral_flexibility
+        );
+    }
+}
+
 /// Goal: a study whose loads are all below the smallest one of the cross-validation is refused by key, and so is a frictionless
 /// calibration.
 #[test]

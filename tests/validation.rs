@@ -1,8 +1,8 @@
 //! The kept cross-validations in `data/crosscheck` are those of the studies, the reference and the
 //! tool as they are now.
 //!
-//! Source: the records themselves. Goal: input hash, hash of the reference package, hub displacement
-//! (mm) and tangent stiffness (kN/m) of the tool under every load of the record, forces (kN) of the tool at all times of a load case, and the verdict.
+//! Source: the records themselves. Goal: input hash, hash of the reference package, hub displacement (mm), tangent stiffness and
+//! horizontal stiffness (kN/m) of the tool under every load of the record, forces (kN) of the tool at all times of a load case, and the verdict.
 //! Accuracy: hashes exactly, numbers to what the order of sums on another processor may change.
 
 use std::path::{Path, PathBuf};
@@ -123,6 +123,16 @@ fn moved(kept: &[ToolCurve], now: &[ToolCurve]) -> Option<String> {
     };
     if kept.is_empty() || kind(kept) != kind(now) {
         return Some(format!("the tool's curves were {:?} and are {:?}", kind(kept), kind(now)));
+    }
+    let horizontal = |curves: &[ToolCurve]| -> Vec<(f64, f64)> {
+        curves.iter().flat_map(|c| c.horizontal.iter().copied()).collect()
+    };
+    let (was, is) = (horizontal(kept), horizontal(now));
+    let near = |(a, b): (&(f64, f64), &(f64, f64))| a.0 == b.0 && (b.1 / a.1 - 1.0).abs() <= SOLVER;
+    if was.len() != is.len() || !was.iter().zip(&is).all(near) {
+        return Some(format!(
+            "the horizontal stiffness of the tool by preload (kN) was {was:?} and is {is:?}"
+        ));
     }
     kept.iter().zip(now).find_map(|(kept, now)| {
         kept.points.iter().zip(&now.points).find_map(|(a, b)| {
@@ -331,6 +341,8 @@ fn every_kind_of_staleness_is_found() {
     );
     assert!(changed(|r| r.curves[0].points[2].tangent_kn_per_m *= 1.0 - 3e-6).contains("tangent stiffness"));
     assert!(changed(|r| r.curves[0].points[0].load_kn = f64::NAN).contains("load"));
+    let horizontal = |r: &mut CrosscheckRecord| r.curves[1].horizontal[0].1 *= 1.0 + 3e-6;
+    assert!(changed(horizontal).contains("horizontal stiffness"));
     assert!(changed(|r| r.curves.clear()).contains("curves"));
     assert!(changed(|r| r.holds = false).contains("do not hold"));
     assert!(changed(|r| r.checks[0].difference = 2.0 * r.checks[0].limit).contains("1 of"));

@@ -84,6 +84,24 @@ def test_the_tangent_is_the_slope_of_the_curve(contact: Contact) -> None:
     assert abs(contact.tangent(state) / slope - 1.0) < 1e-4
 
 
+def test_the_horizontal_stiffness_has_the_least_energy(contact: Contact) -> None:
+    """Source: forces that stick have the least complementary energy of all that carry a lateral force of one and no
+    vertical one (their matrix of conditions solved as a whole), twice of which is the flexibility, m/N. Goal: the
+    same, with the nodes that touch alone; a stronger contact is stiffer; without tangential multipliers none."""
+    state, more = contact.press(5e3, None), contact.press(LOAD, None)
+    on = np.flatnonzero(state.normal > 0.0)
+    rows = np.concatenate([on, contact.count + on, 2 * contact.count + on])
+    conditions = np.array([contact.lateral[rows], contact.vertical[rows]])
+    system = np.block([[contact.compliance[np.ix_(rows, rows)], conditions.T], [conditions, np.zeros((2, 2))]])
+    force = np.linalg.solve(system, np.concatenate([np.zeros(len(rows)), [1.0, 0.0]]))[: len(rows)]
+    flexibility = force @ contact.compliance[np.ix_(rows, rows)] @ force
+    stiffness = contact.horizontal_stiffness(state)
+    assert abs(stiffness * flexibility - 1.0) < SOLVER
+    assert contact.horizontal_stiffness(more) > 1.01 * stiffness
+    with pytest.raises(ValueError, match="tangential multipliers"):
+        pair(False)[0].horizontal_stiffness(state)
+
+
 def test_friction_stays_on_its_cone_and_opposes_slip(contact: Contact) -> None:
     """Goal: |t| <= mu n; slipping points are pushed against their slip; less friction slips more."""
     frictional = contact.with_friction(0.1)

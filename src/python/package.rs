@@ -40,6 +40,7 @@ pub(super) static REFERENCE: Package = Package {
     files: &[
         ("__init__.py", include_str!("../../reference/src/railspring_reference/__init__.py")),
         ("__main__.py", include_str!("../../reference/src/railspring_reference/__main__.py")),
+        ("inner_modes.py", include_str!("../../reference/src/railspring_reference/inner_modes.py")),
         ("iteration.py", include_str!("../../reference/src/railspring_reference/iteration.py")),
         ("ordering.py", include_str!("../../reference/src/railspring_reference/ordering.py")),
         ("factor.py", include_str!("../../reference/src/railspring_reference/factor.py")),

@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import Literal
 
 import meshio
 import numpy as np
@@ -14,6 +15,7 @@ from skfem.io.meshio import from_meshio
 from skfem.models.elasticity import lame_parameters
 
 from .factor import factored
+from .inner_modes import relief
 from .ordering import nested_dissection
 
 Floats = NDArray[np.float64]
@@ -25,6 +27,9 @@ VTK_CORNERS: Floats = np.array(
 """Reference corners of a hexahedron in the order of VTK."""
 COLUMNS_AT_ONCE = 24
 """Right-hand sides solved together; bounds the memory."""
+Element = Literal["full integration", "incompatible modes", "second order"]
+"""Trilinear with 2x2x2 Gauss points; the same with inner modes that make it bend (:mod:`.inner_modes`); serendipity with
+20 nodes and 3x3x3 points."""
 
 
 @dataclass(frozen=True)
@@ -45,11 +50,9 @@ def read_mesh(path: Path) -> meshio.Mesh:
 
 
 class Body:
-    """A body, factored with some nodes held.
+    """A body of straight-edged hexahedra, factored with some nodes held.
 
-    ``order`` 1: trilinear elements with 2x2x2 Gauss points. ``order`` 2: serendipity
-    elements (20 nodes) on the same, straight-edged hexahedra with 3x3x3 points. ``groups``: the number of every
-    hexahedron's material among ``materials``; left out or empty, all have the first.
+    ``groups``: the number of every hexahedron's material among ``materials``; left out or empty, all have the first.
     """
 
     def __init__(
@@ -57,7 +60,7 @@ class Body:
         mesh: meshio.Mesh,
         materials: Sequence[Material],
         held: Ints,
-        order: int = 1,
+        kind: Element = "full integration",
         groups: Ints | None = None,
     ) -> None:
         self.points: Floats = np.asarray(mesh.points, dtype=np.float64)
@@ -70,9 +73,10 @@ class Body:
         self.groups = groups if groups is not None and len(groups) else np.zeros(len(self.hexes), dtype=np.int64)
         if len(self.groups) != len(self.hexes) or not set(self.groups.tolist()) <= set(range(len(materials))):
             raise ValueError(f"groups of {len(self.groups)} hexahedra of {len(self.hexes)}, {len(materials)} materials")
-        self.order = order
-        self.element = skfem.ElementHex1() if order == 1 else skfem.ElementHexS2()
-        self.basis = skfem.Basis(self.mesh, self.element, quadrature=gauss_cube(2 if order == 1 else 3))
+        self.kind = kind
+        self.order = 2 if kind == "second order" else 1
+        self.element = skfem.ElementHex1() if self.order == 1 else skfem.ElementHexS2()
+        self.basis = skfem.Basis(self.mesh, self.element, quadrature=gauss_cube(1 + self.order))
         self.held = held
 
     @cached_property
@@ -128,6 +132,8 @@ class Body:
                     block = block + shear
                 place = sp.csr_matrix(([1.0], ([a], [b])), shape=(3, 3))
                 total = total + sp.kron(block, place, format="csc")
+        if self.kind == "incompatible modes":
+            total = total - relief(basis, first, second, self.degrees_of_freedom)
         return total
 
     @cached_property

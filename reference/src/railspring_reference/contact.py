@@ -103,7 +103,9 @@ class Contact:
         directions = [normal, across, np.cross(normal.T, across.T).T]
         if not tangential:
             directions = directions[:1]
-        self.vertical = np.concatenate([self._sum(d[2], count) / self.area for d in directions])
+        self.vertical, self.lateral = (
+            np.concatenate([self._sum(d[axis], count) / self.area for d in directions]) for axis in (2, 1)
+        )
         self.compliance = np.zeros((len(directions) * count,) * 2)
         for name, body, side, cell, local in (
             ("wheel", wheel, wheel_side, self.points.cell, self.points.local),
@@ -315,6 +317,16 @@ class Contact:
             return float(self.vertical[:n][on] @ change)
         more = self.press(state.load * (1.0 + STEP_FOR_TANGENT), state)
         return STEP_FOR_TANGENT * state.load / (more.lowering - state.lowering)
+
+    def horizontal_stiffness(self, state: State) -> float:
+        """Lateral force over lateral displacement of the hub, N/m: all multipliers that carry load stick, and the
+        vertical force stays as it is."""
+        if len(self.vertical) == self.count:
+            raise ValueError("a horizontal stiffness asks for tangential multipliers")
+        on = np.tile(state.normal > 0.0, 3)
+        moved = np.array([self.lateral[on], self.vertical[on]]).T
+        stiffness = moved.T @ la.solve(self.compliance[np.ix_(on, on)], moved, assume_a="pos")
+        return float(1.0 / la.inv(stiffness)[0, 0])
 
     def contact_area(self, state: State) -> float:
         """Area of the multipliers that carry load, m2."""

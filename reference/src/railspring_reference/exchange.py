@@ -16,7 +16,7 @@ from .body import Body, Floats, Ints, Material, read_mesh
 
 FORCE = "force (N)"
 """Point data with the given nodal forces."""
-FORMAT = 2
+FORMAT = 3
 """Version of the exchange that this package reads."""
 
 
@@ -55,13 +55,13 @@ class Exchange:
                 "use the reference package that came with the tool"
             )
 
-    def body(self, name: str, variant: str = "bodies", order: int = 1) -> Body:
+    def body(self, name: str, variant: str = "bodies") -> Body:
         """A body with its supports."""
         entry = self.data[variant][name]
         materials = [Material(constants["young_pa"], constants["poisson"]) for constants in entry["materials"]]
         mesh = read_mesh(self.folder / entry["mesh"])
         held, groups = (np.asarray(entry[name], dtype=np.int64) for name in ("held", "groups"))
-        return Body(mesh, materials, held, order, groups)
+        return Body(mesh, materials, held, entry["element"], groups)
 
     def given_forces(self, name: str) -> Floats:
         """The given nodal forces of a body, one row a node."""
@@ -85,6 +85,11 @@ class Exchange:
     def loads(self) -> Floats:
         """Vertical loads in the order in which they are applied, N."""
         return np.asarray(self.data["contact"]["loads_n"])
+
+    @property
+    def preloads(self) -> Floats:
+        """Vertical loads under which the horizontal stiffness is asked for, ascending, N."""
+        return np.asarray(self.data["contact"]["preloads_n"])
 
     @property
     def friction(self) -> float:

@@ -4,25 +4,19 @@
 many steps of the bodies a time step has, in each of the runs that are asked for.
 """
 
-import datetime
 import json
-import platform
 import sys
 import time
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from . import __version__
 from .dynamics import Moving, Suspended
 from .exchange import Exchange
-from .factor import solver
 from .in_time import Case, Harmonic, Row, run
-from .iteration import BeyondCandidates, NotConverged
 from .moving_surfaces import Facing, Surface
-from .run import PACKAGES, input_hash, progress
+from .run import ended, progress, provenance
 
 
 def harmonic(asked: dict[str, float]) -> Harmonic:
@@ -63,15 +57,7 @@ def answer(folder: Path) -> dict[str, Any]:
     result = {
         "runs": runs,
         "degrees_of_freedom": unknowns,
-        "provenance": {
-            "package": f"railspring-reference {__version__}",
-            "python": platform.python_version(),
-            "packages": {name: version(name) for name in PACKAGES},
-            "solver": solver(),
-            "input_sha256": input_hash(folder),
-            "date_utc": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%dT%H:%M:%SZ"),
-            "seconds": time.perf_counter() - begun,
-        },
+        "provenance": provenance(folder, begun),
     }
     (folder / "in_time.json").write_text(json.dumps(result, indent=1), encoding="utf-8")
     return result
@@ -88,25 +74,5 @@ def columns(rows: list[Row]) -> dict[str, list[float]]:
     }
 
 
-def main() -> int:
-    """Entry point with the exchange folder; its ends are those of :func:`.run.main`."""
-    if len(sys.argv) != 2:
-        print("usage: python -m railspring_reference.load_case EXCHANGE_FOLDER", file=sys.stderr)
-        return 2
-    try:
-        answer(Path(sys.argv[1]))
-    except NotConverged as stop:
-        print(f"STOPPED\t{stop.what}\t{stop.iterations}\t{stop.residual}\t{stop.points}", flush=True)
-        cause, code = f"{stop}", 3
-    except (BeyondCandidates, np.linalg.LinAlgError, RuntimeError, ArithmeticError, MemoryError) as stop:
-        cause, code = f"{type(stop).__name__}: {stop}", 3
-    except (ValueError, OSError, KeyError) as stop:
-        cause, code = f"{type(stop).__name__}: {stop}", 2
-    else:
-        return 0
-    print(f"error: {cause}", file=sys.stderr)
-    return code
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(ended("railspring_reference.load_case", answer, sys.argv[1:]))

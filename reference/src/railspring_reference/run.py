@@ -6,6 +6,7 @@ import json
 import platform
 import sys
 import time
+from collections.abc import Callable
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -98,6 +99,30 @@ def load_curve(exchange: Exchange, contact: Contact, label: str) -> list[dict[st
     return rows
 
 
+def horizontal(exchange: Exchange, contact: Contact, label: str) -> list[dict[str, float]]:
+    """Horizontal stiffness under all preloads, with friction."""
+    rows: list[dict[str, float]] = []
+    state = None
+    for k, load in enumerate(exchange.preloads):
+        state = contact.press(float(load), state)
+        rows.append({"load_n": state.load, "stiffness_n_per_m": contact.horizontal_stiffness(state)})
+        progress(f"{label}: horizontal stiffness", k + 1, len(exchange.preloads))
+    return rows
+
+
+def provenance(folder: Path, begun: float) -> dict[str, Any]:
+    """Where a result comes from; ``begun``: when it began, s of the performance counter."""
+    return {
+        "package": f"railspring-reference {__version__}",
+        "python": platform.python_version(),
+        "packages": {name: version(name) for name in PACKAGES},
+        "solver": solver(),
+        "input_sha256": input_hash(folder),
+        "date_utc": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%dT%H:%M:%SZ"),
+        "seconds": time.perf_counter() - begun,
+    }
+
+
 def run(folder: Path) -> dict[str, Any]:
     """Solves everything the exchange asks for and writes ``reference.json``."""
     begun = time.perf_counter()
@@ -110,11 +135,14 @@ def run(folder: Path) -> dict[str, Any]:
     cases = exchange.data["contact"]["cases"]
     friction = exchange.friction if "same_mesh_friction" in cases else 0.0
 
-    def answer(case: str, contact: Contact, begun: float, bodies: dict[str, Body]) -> None:
-        rows = load_curve(exchange, contact, case.replace("_", " "))
+    def answer(
+        case: str, contact: Contact, begun: float, bodies: dict[str, Body], sticking: Contact | None = None
+    ) -> None:
+        label = case.replace("_", " ")
+        rows = load_curve(exchange, contact, label)
         result["contact"][case] = {
             "rows": rows,
-            "friction": contact.friction,
+            "horizontal": horizontal(exchange, sticking, label) if sticking else [],
             "multipliers": contact.count,
             "degrees_of_freedom": sum(body.degrees_of_freedom for body in bodies.values()),
             "seconds": time.perf_counter() - begun,
@@ -124,37 +152,36 @@ def run(folder: Path) -> dict[str, Any]:
         contact = condense(exchange, bodies, "same_mesh", friction > 0.0)
         answer("same_mesh", contact, begun, bodies)
         if friction > 0.0:
-            answer("same_mesh_friction", contact.with_friction(friction), begun, bodies)
+            contact = contact.with_friction(friction)
+            answer("same_mesh_friction", contact, begun, bodies, contact)
     if "other_surface" in cases:
         started = time.perf_counter()
         answer("other_surface", condense(exchange, bodies, "other_surface", carrier="wheel"), started, bodies)
     del bodies
     if "second_order" in cases:
         started = time.perf_counter()
-        higher = {name: exchange.body(name, "second_order", order=2) for name in BODIES}
-        answer("second_order", condense(exchange, higher, "second_order"), started, higher)
-    result["provenance"] = {
-        "package": f"railspring-reference {__version__}",
-        "python": platform.python_version(),
-        "packages": {name: version(name) for name in PACKAGES},
-        "solver": solver(),
-        "input_sha256": input_hash(folder),
-        "date_utc": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%dT%H:%M:%SZ"),
-        "seconds": time.perf_counter() - begun,
-    }
+        higher = {name: exchange.body(name, "second_order") for name in BODIES}
+        contact = condense(exchange, higher, "second_order", exchange.friction > 0.0)
+        sticking = contact.with_friction(exchange.friction) if exchange.friction > 0.0 else None
+        answer("second_order", contact, started, higher, sticking)
+    result["provenance"] = provenance(folder, begun)
     (folder / "reference.json").write_text(json.dumps(result, indent=1), encoding="utf-8")
     return result
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Entry point with the exchange folder; ends with 2 for input that cannot be used and with 3 where the numerics do
-    not reach an answer. An iteration that stops has a line for the tool: what, iterations, residual, points."""
-    arguments = sys.argv[1:] if arguments is None else arguments
+    """Entry point with the exchange folder."""
+    return ended("railspring_reference", run, sys.argv[1:] if arguments is None else arguments)
+
+
+def ended(module: str, answer: Callable[[Path], object], arguments: list[str]) -> int:
+    """Answers an exchange folder, and the exit code: 2 for input that cannot be used and 3 where the numerics do not
+    reach an answer. An iteration that stops has a line for the tool: what, iterations, residual, points."""
     if len(arguments) != 1:
-        print("usage: python -m railspring_reference EXCHANGE_FOLDER", file=sys.stderr)
+        print(f"usage: python -m {module} EXCHANGE_FOLDER", file=sys.stderr)
         return 2
     try:
-        run(Path(arguments[0]))
+        answer(Path(arguments[0]))
     except NotConverged as stop:
         print(f"STOPPED\t{stop.what}\t{stop.iterations}\t{stop.residual}\t{stop.points}", flush=True)
         cause, code = f"{stop}", 3

@@ -1,13 +1,11 @@
-//! The tool's own results for the questions to the reference solvers.
-//!
-//! The reference solvers use full integration, so the tool answers with full integration
-//! too, next to the study's own element.
+//! The tool's own results for the questions to the reference solvers, with the study's element.
 
 use std::time::Instant;
 
 use nalgebra::Vector3;
 use railspring_calibrate::calibration::{
-    ContactField, Enforcement, LoadPoint, PatchValues, Pressed, Reference, load_points, press_loads,
+    ContactField, Enforcement, HorizontalPoint, LoadPoint, PatchValues, Pressed, Reference, WheelOnRail,
+    calibrate_horizontal, load_points, press_loads,
 };
 use railspring_calibrate::contact::{BetweenNodes, Side};
 use railspring_calibrate::mesh::HexMesh;
@@ -31,6 +29,10 @@ const COLUMNS: usize = 6;
 /// One body with a question and the tool's answer.
 #[derive(Debug, Clone)]
 pub struct AnsweredBody {
+    /// Lateral forces on nodes of the mesh, N: in the proportions of the contact forces at the largest load, and one in all.
+    pub lateral: Vec<(usize, f64)>,
+    /// Their mean lateral displacement, weighted by them, m/N.
+    pub lateral_flexibility: f64,
     /// Given nodal forces, N.
     pub forces: Vec<Vector3<f64>>,
     /// Nodal displacements under them, m.
@@ -63,16 +65,24 @@ pub struct Answers {
     pub loads: Vec<f64>,
     /// Coulomb friction coefficient.
     pub friction: f64,
-    /// Load curve with full integration and no friction.
+    /// Load curve without friction.
     pub frictionless: AnsweredCurve,
-    /// Load curve with full integration and the study's friction, if it has any.
+    /// Load curve with the study's friction, if it has any.
     pub frictional: Option<AnsweredCurve>,
-    /// Load curve of the study's own element, no friction.
-    pub own_element: AnsweredCurve,
-    /// The same with the surfaces that other programs see: flat facets between the nodes.
+    /// Horizontal stiffness under every preload with that friction; nothing without.
+    pub horizontal: Vec<HorizontalPoint>,
+    /// Load curve without friction between the surfaces that other programs see: flat facets between the nodes.
     pub faceted: AnsweredCurve,
-    /// Name of the study's own element.
-    pub own_element_name: &'static str,
+    /// Name of the element.
+    pub element: &'static str,
+}
+
+/// Name of an element, in the exchanged files and in words.
+pub fn element_name(element: Formulation) -> &'static str {
+    match element {
+        Formulation::IncompatibleModes => "incompatible modes",
+        Formulation::FullIntegration => "full integration",
+    }
 }
 
 /// Nodes of the rail that the study's reference holds.
@@ -100,42 +110,29 @@ pub fn answers(
     monitor: &dyn Monitor,
 ) -> Result<Answers> {
     let asked = Asked::new(statics, geometry, meshes, monitor)?;
-    let full = asked.condense(Formulation::FullIntegration)?;
-    let (mut frictionless, smooth_states) = asked.curve(&full, 0.0, BetweenNodes::Smooth)?;
-    frictionless.seconds += full.seconds;
-    let (frictional, states) = if statics.contact.friction > 0.0 {
-        let (curve, states) = asked.curve(&full, statics.contact.friction, BetweenNodes::Smooth)?;
-        (Some(curve), states)
+    let bodies = asked.condense()?;
+    let (mut frictionless, smooth_states) = asked.curve(&bodies, 0.0, BetweenNodes::Smooth)?;
+    frictionless.seconds += bodies.seconds;
+    let friction = statics.contact.friction;
+    let (frictional, horizontal, states) = if friction > 0.0 {
+        let (curve, states) = asked.curve(&bodies, friction, BetweenNodes::Smooth)?;
+        (Some(curve), asked.horizontal(&bodies)?, states)
     } else {
-        (None, smooth_states)
+        (None, Vec::new(), smooth_states)
     };
     let largest = states.last().expect("there are loads");
-    let rail =
-        answer(&meshes.rail, (&full.rail, full.solids.parts(rail_in_use(statics))?), largest, Side::Base)?;
-    let wheel =
-        answer(&meshes.wheel, (&full.wheel, full.solids.parts(PairBody::Wheel)?), largest, Side::Opposing)?;
-    let element = statics.element.formulation();
-    let (own_element, faceted) = if element == Formulation::FullIntegration {
-        (frictionless.clone(), asked.faceted(&full)?)
-    } else {
-        let own = asked.condense(element)?;
-        let (mut smooth, _) = asked.curve(&own, 0.0, BetweenNodes::Smooth)?;
-        smooth.seconds += own.seconds;
-        (smooth, asked.faceted(&own)?)
-    };
+    let rail = (&bodies.rail, bodies.solids.parts(rail_in_use(statics))?);
+    let wheel = (&bodies.wheel, bodies.solids.parts(PairBody::Wheel)?);
     Ok(Answers {
-        rail,
-        wheel,
+        rail: answer(&meshes.rail, rail, largest, Side::Base)?,
+        wheel: answer(&meshes.wheel, wheel, largest, Side::Opposing)?,
         loads: asked.loads.clone(),
-        friction: statics.contact.friction,
+        friction,
         frictionless,
         frictional,
-        own_element,
-        faceted,
-        own_element_name: match element {
-            Formulation::IncompatibleModes => "incompatible modes",
-            Formulation::FullIntegration => "full integration",
-        },
+        horizontal,
+        faceted: asked.faceted(&bodies)?,
+        element: element_name(statics.element.formulation()),
     })
 }
 
@@ -150,7 +147,7 @@ pub fn faceted(
     monitor: &dyn Monitor,
 ) -> Result<AnsweredCurve> {
     let asked = Asked::new(statics, geometry, meshes, monitor)?;
-    asked.faceted(&asked.condense(statics.element.formulation())?)
+    asked.faceted(&asked.condense()?)
 }
 
 /// What the tool needs to answer.
@@ -191,14 +188,10 @@ impl<'a> Asked<'a> {
         Ok(Self { statics, geometry, meshes, monitor, loads })
     }
 
-    fn condense(&self, element: Formulation) -> Result<Condensed<'a>> {
-        let stage = match element {
-            Formulation::FullIntegration => "superelements, full integration",
-            Formulation::IncompatibleModes => "superelements, incompatible modes",
-        };
-        self.monitor.progress(stage, 0, 1)?;
+    fn condense(&self) -> Result<Condensed<'a>> {
+        self.monitor.progress("superelements", 0, 1)?;
         let clock = Instant::now();
-        let solids = PairSolids { element, ..solids(self.statics, self.geometry, self.meshes) };
+        let solids = solids(self.statics, self.geometry, self.meshes);
         // one after the other, so that there is one factor at a time
         let condense = |body| solids.condense(body, solids.key(body));
         let (wheel, rail) = (condense(PairBody::Wheel)?, condense(rail_in_use(self.statics))?);
@@ -213,12 +206,7 @@ impl<'a> Asked<'a> {
         between_nodes: BetweenNodes,
     ) -> Result<(AnsweredCurve, Vec<Pressed>)> {
         let clock = Instant::now();
-        let contact =
-            ContactConditions { friction, enforcement: Enforcement::Exact, field: ContactField::Elements };
-        let own = &self.geometry.pair;
-        let rail = own.contact_body(rail_in_use(self.statics), &bodies.rail)?;
-        let wheel = own.contact_body(PairBody::Wheel, &bodies.wheel)?;
-        let mut pair = own.wheel_on_rail(rail, wheel, contact);
+        let mut pair = self.pair(bodies, friction)?;
         for surface in [&mut pair.rail_surface, &mut pair.wheel_surface] {
             surface.between_nodes = between_nodes;
         }
@@ -228,6 +216,27 @@ impl<'a> Asked<'a> {
         let seconds = clock.elapsed().as_secs_f64();
         let patches = pair.patches(&states)?.iter().map(|patch| patch.values).collect();
         Ok((AnsweredCurve { points, patches, seconds }, states))
+    }
+
+    /// The wheel on the rail, on the elements of the meshes.
+    fn pair<'b>(&self, bodies: &'b Condensed<'_>, friction: f64) -> Result<WheelOnRail<'b>>
+    where
+        'a: 'b,
+    {
+        let contact =
+            ContactConditions { friction, enforcement: Enforcement::Exact, field: ContactField::Elements };
+        let own = &self.geometry.pair;
+        let rail = own.contact_body(rail_in_use(self.statics), &bodies.rail)?;
+        let wheel = own.contact_body(PairBody::Wheel, &bodies.wheel)?;
+        Ok(own.wheel_on_rail(rail, wheel, contact))
+    }
+
+    /// The horizontal stiffness of hub against support under the study's preloads.
+    fn horizontal(&self, bodies: &Condensed<'_>) -> Result<Vec<HorizontalPoint>> {
+        let pair = self.pair(bodies, self.statics.contact.friction)?;
+        let preloads = &self.statics.calibration.horizontal_preloads;
+        let found = calibrate_horizontal(&pair, preloads, self.monitor)?;
+        found.ended.map_or(Ok(found.points), Err)
     }
 
     /// The frictionless curve between facets, with the time of the factorisation.
@@ -265,7 +274,16 @@ fn answer(
         .map(|&(n, axis)| body.compliance.col_as_slice(3 * n + axis)[..3 * contact_nodes].to_vec())
         .collect();
     let displacement = parts.displacements(body, &[retained])?.remove(0);
+    let carried: f64 = forces.iter().map(Vector3::norm).sum();
+    let shares: Vec<f64> = mesh.contact.nodes.iter().map(|&node| forces[node].norm() / carried).collect();
+    let lateral_flexibility = (0..contact_nodes)
+        .flat_map(|j| (0..contact_nodes).map(move |i| (i, j)))
+        .map(|(i, j)| shares[i] * shares[j] * body.compliance[(3 * i + 1, 3 * j + 1)])
+        .sum();
+    let loaded = mesh.contact.nodes.iter().copied().zip(shares).filter(|(_, share)| *share > 0.0);
     Ok(AnsweredBody {
+        lateral: loaded.collect(),
+        lateral_flexibility,
         forces,
         displacement: displacement.chunks_exact(3).map(|u| Vector3::new(u[0], u[1], u[2])).collect(),
         columns,

@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use nalgebra::Vector3;
-use railspring_calibrate::calibration::PatchValues;
+use railspring_calibrate::calibration::{HorizontalPoint, PatchValues};
 use railspring_profiles::error::{InputError, Result};
 use railspring_profiles::input;
 use railspring_profiles::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE, SQUARE_MILLIMETRE};
@@ -14,7 +14,7 @@ use crate::engine::output::{OutputFolder, read_json};
 use crate::results::crosscheck::answers::{AnsweredBody, AnsweredCurve, Answers};
 use crate::results::crosscheck::exchange::{BODIES, Case};
 use crate::results::crosscheck::record::{
-    Cause, Check, HUB_DISPLACEMENT, Limit, Provenance, TANGENT_STIFFNESS, Timing,
+    Cause, Check, HORIZONTAL_STIFFNESS, HUB_DISPLACEMENT, Limit, Provenance, TANGENT_STIFFNESS, Timing,
 };
 
 /// Same equations, other order of sums: about 1e-16 times the condition number of the meshes, 1e6.
@@ -33,6 +33,9 @@ pub const DISCRETISATION_SURFACE: f64 = 2.0 * DISCRETISATION_DISPLACEMENT;
 pub const DISCRETISATION_NODES: f64 = 0.11;
 /// First-order bricks with incompatible modes against elements of second order on another mesh.
 pub const DISCRETISATION_ELEMENT: f64 = 2e-2;
+/// Lateral flexibility of each body in another program: its element of the same name eliminates the same modes, mapped in another way where
+/// elements are distorted.
+pub const MODEL_ELEMENT: f64 = 5e-3;
 /// Another program's own contact between the same facets.
 pub const MODEL: f64 = 1e-2;
 
@@ -40,7 +43,7 @@ pub const MODEL: f64 = 1e-2;
 pub fn limits(checks: &[Check]) -> Vec<Limit> {
     let contact = "another contact formulation on the same mesh and contact nodes";
     let surface = "contact forces on the nodes of the other surface";
-    let element = "elements of second order on a finer mesh";
+    let element = "elements of second order on another mesh";
     let all = [
         (
             Cause::Roundoff,
@@ -52,7 +55,7 @@ pub fn limits(checks: &[Check]) -> Vec<Limit> {
         (
             Cause::Discretisation,
             DISCRETISATION_DISPLACEMENT,
-            format!("{HUB_DISPLACEMENT}, {contact}"),
+            format!("{HUB_DISPLACEMENT} and {HORIZONTAL_STIFFNESS}, {contact}"),
             "integrals over a cell by other rules and along other normals, a share of the gap's curvature over a cell",
         ),
         (
@@ -83,7 +86,7 @@ pub fn limits(checks: &[Check]) -> Vec<Limit> {
         (
             Cause::Discretisation,
             DISCRETISATION_ELEMENT,
-            format!("{HUB_DISPLACEMENT}, {element}"),
+            format!("{HUB_DISPLACEMENT} and {HORIZONTAL_STIFFNESS}, {element}"),
             "first-order bricks bend too stiffly by about the square of element over wall thickness",
         ),
         (
@@ -91,6 +94,12 @@ pub fn limits(checks: &[Check]) -> Vec<Limit> {
             2.0 * DISCRETISATION_ELEMENT,
             format!("{TANGENT_STIFFNESS}, {element}"),
             "twice that of the displacement: one order lower in the element size",
+        ),
+        (
+            Cause::Model,
+            MODEL_ELEMENT,
+            "lateral flexibility of a body in another program".into(),
+            "an element of the same kind whose inner modes are mapped in another way where it is distorted",
         ),
         (
             Cause::Model,
@@ -131,8 +140,15 @@ struct ElasticResult {
 #[derive(Debug, Clone, Deserialize)]
 struct CurveResult {
     rows: Vec<RowResult>,
+    horizontal: Vec<HorizontalResult>,
     degrees_of_freedom: usize,
     seconds: f64,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+struct HorizontalResult {
+    load_n: f64,
+    stiffness_n_per_m: f64,
 }
 
 #[derive(Debug, Clone, Deserialize)]
@@ -233,10 +249,9 @@ pub fn compare(
             Case::OtherSurface => {
                 ("contact without friction, forces on the wheel's nodes".to_string(), &answers.frictionless)
             }
-            Case::SecondOrder => (
-                format!("{} against elements of second order", answers.own_element_name),
-                &answers.own_element,
-            ),
+            Case::SecondOrder => {
+                (format!("{} against elements of second order", answers.element), &answers.frictionless)
+            }
         };
         let theirs = reference
             .contact
@@ -244,6 +259,13 @@ pub fn compare(
             .filter(|theirs| theirs.rows.len() == curve.points.len())
             .ok_or_else(|| incomplete("contact", case.name()))?;
         curve_checks(&problem, case, curve, theirs, contact_element, &reference_solver, &mut checks);
+        let asked = matches!(case, Case::SameMeshFriction | Case::SecondOrder);
+        if asked && theirs.horizontal.len() != answers.horizontal.len() {
+            return Err(incomplete("horizontal", case.name()).into());
+        }
+        for (own, theirs) in answers.horizontal.iter().zip(&theirs.horizontal) {
+            checks.push(horizontal_check(&problem, case, own, theirs, &reference_solver));
+        }
         timings.push(Timing {
             problem,
             reference_solver: reference_solver.clone(),
@@ -292,6 +314,33 @@ fn elastic_checks(
         let values = (size(own) * KILONEWTON / MILLIMETRE, size(theirs) * KILONEWTON / MILLIMETRE);
         check("compliance columns, largest difference", "mm/kN", values, difference / size(own));
     }
+}
+
+/// The horizontal stiffness of one preload.
+fn horizontal_check(
+    problem: &str,
+    case: Case,
+    own: &HorizontalPoint,
+    theirs: &HorizontalResult,
+    reference_solver: &str,
+) -> Check {
+    let limit = match case {
+        Case::SecondOrder => DISCRETISATION_ELEMENT,
+        _ => DISCRETISATION_DISPLACEMENT,
+    };
+    // an answer to another load is none
+    let same = (theirs.load_n / own.preload - 1.0).abs() <= ROUNDOFF;
+    let stiffness = if same { theirs.stiffness_n_per_m } else { f64::NAN };
+    Check::new(
+        problem,
+        HORIZONTAL_STIFFNESS,
+        Some(own.preload),
+        "kN/m",
+        (own.stiffness / KILONEWTON_PER_METRE, stiffness / KILONEWTON_PER_METRE),
+        reference_solver,
+        (stiffness / own.stiffness - 1.0).abs(),
+        (limit, Cause::Discretisation),
+    )
 }
 
 /// The larger one; not a number if either is.

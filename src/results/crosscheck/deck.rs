@@ -55,6 +55,52 @@ impl Deck<'_> {
     /// # Errors
     /// [`InputError`] if a surface facet belongs to no hexahedron.
     pub fn text(&self, format: Format) -> Result<String> {
+        let (mut out, hub) = self.bodies(format);
+        surface(&mut out, "SRAIL", &self.meshes.rail, 0)?;
+        surface(&mut out, "SWHEEL", &self.meshes.wheel, self.meshes.rail.hexes.len())?;
+        self.contact(&mut out, format);
+        let _ = writeln!(out, "*BOUNDARY\nHELD, 1, 3");
+        match format {
+            Format::Calculix => {
+                let _ = writeln!(out, "{hub}, 1, 2\n{}, 1, 3", hub + 1);
+            }
+            Format::Abaqus => {
+                let _ = writeln!(out, "{hub}, 1, 2\n{hub}, 4, 6");
+            }
+        }
+        for lowering in self.lowerings {
+            let _ = writeln!(out, "*STEP, INC=100\n*STATIC\n1., 1.");
+            let _ = writeln!(out, "*BOUNDARY\n{hub}, 3, 3, {:.12e}", lowering / MILLIMETRE);
+            let _ = writeln!(out, "*NODE PRINT, NSET=HUB, FREQUENCY=1000\nU, RF\n*END STEP");
+        }
+        Ok(out)
+    }
+
+    /// The text of a deck for CalculiX of both bodies apart, each under lateral forces (node of its mesh, N), with the displacement of the
+    /// loaded nodes printed for the rail and then for the wheel; the number of a node is that of the body's mesh, the wheel's after the rail's.
+    pub fn lateral_text(&self, forces: [&[(usize, f64)]; 2]) -> String {
+        let (mut out, hub) = self.bodies(Format::Calculix);
+        let _ = writeln!(out, "*BOUNDARY\nHELD, 1, 3\n{hub}, 1, 3\n{}, 1, 3", hub + 1);
+        let _ = writeln!(out, "*STEP\n*STATIC\n*CLOAD");
+        let offsets = [0, self.meshes.rail.nodes.len()];
+        for (forces, offset) in forces.into_iter().zip(offsets) {
+            for (node, force) in forces {
+                let _ = writeln!(out, "{}, 2, {force:.12e}", node + offset + 1);
+            }
+        }
+        let nodes = forces.into_iter().zip(offsets);
+        set(
+            &mut out,
+            "NSET",
+            "LOADED",
+            nodes.flat_map(|(of, offset)| of.iter().map(move |(n, _)| n + offset + 1)),
+        );
+        let _ = writeln!(out, "*NODE PRINT, NSET=LOADED\nU\n*END STEP");
+        out
+    }
+
+    /// Nodes, elements, sets and materials of both bodies, the bore bound to a hub, and the hub's number.
+    fn bodies(&self, format: Format) -> (String, usize) {
         let (rail, wheel) = (&self.meshes.rail, &self.meshes.wheel);
         let tape = self.geometry.pair.tape();
         let axle = Vector3::new(0.0, tape.x, tape.y - self.geometry.pair.wheel.radius);
@@ -92,8 +138,6 @@ impl Deck<'_> {
         set(&mut out, "NSET", "HELD", rail_held(self.input.statics(), rail).iter().map(|n| n + 1));
         set(&mut out, "NSET", "BORE", wheel.bore.iter().map(|n| n + offset + 1));
         let _ = writeln!(out, "*NSET, NSET=HUB\n{hub}");
-        surface(&mut out, "SRAIL", rail, 0)?;
-        surface(&mut out, "SWHEEL", wheel, rail.hexes.len())?;
         let Statics { rail: of_rail, wheel: of_wheel, .. } = self.input.statics();
         for (name, mesh, file, of, elements) in [
             ("RAIL", rail, &of_rail.mesh, &of_rail.materials, 0),
@@ -110,22 +154,7 @@ impl Deck<'_> {
                 let _ = writeln!(out, "*RIGID BODY, TIE NSET=BORE, REF NODE={hub}");
             }
         }
-        self.contact(&mut out, format);
-        let _ = writeln!(out, "*BOUNDARY\nHELD, 1, 3");
-        match format {
-            Format::Calculix => {
-                let _ = writeln!(out, "{hub}, 1, 2\n{}, 1, 3", hub + 1);
-            }
-            Format::Abaqus => {
-                let _ = writeln!(out, "{hub}, 1, 2\n{hub}, 4, 6");
-            }
-        }
-        for lowering in self.lowerings {
-            let _ = writeln!(out, "*STEP, INC=100\n*STATIC\n1., 1.");
-            let _ = writeln!(out, "*BOUNDARY\n{hub}, 3, 3, {:.12e}", lowering / MILLIMETRE);
-            let _ = writeln!(out, "*NODE PRINT, NSET=HUB, FREQUENCY=1000\nU, RF\n*END STEP");
-        }
-        Ok(out)
+        (out, hub)
     }
 
     fn contact(&self, out: &mut String, format: Format) {

@@ -12,15 +12,17 @@ use serde_json::{Value, json};
 use crate::engine::output::OutputFolder;
 use crate::results::bodies::geometry::Geometry;
 use crate::results::bodies::meshes::Meshes;
-use crate::results::crosscheck::answers::{Answers, rail_held};
+use crate::results::crosscheck::answers::{Answers, element_name, rail_held};
 use crate::results::crosscheck::input::CrosscheckInput;
 use crate::study::Statics;
 
 /// Version of the layout of `exchange.json`.
-const FORMAT: u32 = 2;
+const FORMAT: u32 = 3;
 /// Step of the profile curves' points, m: a cubic spline through them is off by less than 1e-9 m
 /// where radii of 80 and 300 mm meet, `Δκ·step²/16`.
 const CURVE_STEP: f64 = 0.1e-3;
+/// Element of the reference solver with twenty nodes.
+pub const SECOND_ORDER: &str = "second order";
 /// Name of the point data with the given forces.
 const FORCE: &str = "force (N)";
 
@@ -34,7 +36,7 @@ pub enum Case {
     /// Frictionless contact on the same mesh and element, the contact forces carried by the nodes of the wheel
     /// instead of the rail's.
     OtherSurface,
-    /// Frictionless contact with elements of second order on a finer mesh.
+    /// Frictionless contact with elements of second order on another mesh, and the horizontal stiffness.
     SecondOrder,
 }
 
@@ -55,6 +57,8 @@ impl Case {
 pub struct Body {
     /// The mesh.
     pub mesh: HexMesh,
+    /// Element of the reference solver: as of [`element_name`], or [`SECOND_ORDER`].
+    pub element: &'static str,
     /// Materials of the mesh's groups.
     pub materials: Materials,
     /// Held nodes.
@@ -80,6 +84,8 @@ pub struct Exchange {
     pub second_order: Option<[Body; 2]>,
     /// Loads, N.
     pub loads: Vec<f64>,
+    /// Loads under which the horizontal stiffness is asked for, N.
+    pub preloads: Vec<f64>,
     /// Coulomb friction coefficient.
     pub friction: f64,
     /// The problems to solve.
@@ -104,12 +110,12 @@ impl Exchange {
         cases: Vec<Case>,
     ) -> Self {
         let statics = input.statics();
-        let body = |meshes: &Meshes, k: usize| {
+        let body = |meshes: &Meshes, k: usize, element: &'static str| {
             let held = if k == 0 { rail_held(statics, &meshes.rail) } else { &meshes.wheel.bore };
-            Body::of(statics, geometry, meshes, k, held.to_vec())
+            Body { element, ..Body::of(statics, geometry, meshes, k, held.to_vec()) }
         };
         let answered = |k: usize| {
-            let body = body(meshes, k);
+            let body = body(meshes, k, answers.element);
             let answer = if k == 0 { &answers.rail } else { &answers.wheel };
             let columns =
                 answer.columns.iter().map(|&(n, axis)| (body.mesh.contact.nodes[n], axis)).collect();
@@ -117,8 +123,9 @@ impl Exchange {
         };
         Self {
             bodies: [0, 1].map(answered),
-            second_order: fine.map(|fine| [0, 1].map(|k| body(fine, k))),
+            second_order: fine.map(|fine| [0, 1].map(|k| body(fine, k, SECOND_ORDER))),
             loads: answers.loads.clone(),
+            preloads: answers.horizontal.iter().map(|point| point.preload).collect(),
             friction: answers.friction,
             cases,
             input_hash: input.key(),
@@ -158,6 +165,7 @@ impl Exchange {
             "second_order": second_order,
             "contact": {
                 "loads_n": self.loads,
+                "preloads_n": self.preloads,
                 "friction": self.friction,
                 "cases": self.cases.iter().map(|c| c.name()).collect::<Vec<_>>(),
             },
@@ -170,7 +178,7 @@ impl Exchange {
 }
 
 impl Body {
-    /// The rail (0) or the wheel (1) of some meshes with its `held` nodes, without forces.
+    /// The rail (0) or the wheel (1) of some meshes with its `held` nodes and the study's element, without forces.
     pub(super) fn of(
         statics: Statics<'_>,
         geometry: &Geometry,
@@ -189,6 +197,7 @@ impl Body {
         };
         Self {
             mesh: mesh.clone(),
+            element: element_name(statics.element.formulation()),
             materials: materials.clone(),
             held,
             forces: vec![Vector3::zeros(); mesh.nodes.len()],
@@ -202,6 +211,7 @@ impl Body {
     fn entry(&self, file: &str) -> Value {
         json!({
             "mesh": file,
+            "element": self.element,
             "materials": self.materials.of_groups().iter().map(constants).collect::<Vec<_>>(),
             "groups": self.mesh.groups,
             "held": self.held,

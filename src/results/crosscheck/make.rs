@@ -4,20 +4,21 @@ use std::time::Instant;
 
 use railspring_profiles::error::Result;
 use railspring_profiles::monitor::Monitor;
-use railspring_profiles::units::MILLIMETRE;
+use railspring_profiles::units::{KILONEWTON, MILLIMETRE};
 
 use crate::engine::measure::begin;
 use crate::engine::output::OutputFolder;
 use crate::python;
 use crate::results::bodies::estimate::Resources;
+use crate::results::crosscheck::answers::Answers;
 use crate::results::crosscheck::calculix::{self, displacement_at};
-use crate::results::crosscheck::compare::{MODEL, ReferenceResult, compare, limits};
+use crate::results::crosscheck::compare::{MODEL, MODEL_ELEMENT, ReferenceResult, compare, limits};
 use crate::results::crosscheck::deck::{Deck, Format};
 use crate::results::crosscheck::exchange::{BODIES, Case};
 use crate::results::crosscheck::input::CrosscheckInput;
 use crate::results::crosscheck::prepared::{Prepared, prepare};
 use crate::results::crosscheck::record::{
-    Cause, Check, CrosscheckRecord, Differences, HUB_DISPLACEMENT, Provenance, Timing,
+    Cause, Check, CrosscheckRecord, Differences, HUB_DISPLACEMENT, LATERAL_FLEXIBILITY, Provenance, Timing,
 };
 use crate::results::crosscheck::solvers::Solvers;
 use crate::results::crosscheck::{questions, sections};
@@ -68,7 +69,7 @@ pub fn crosscheck(
     Ok((record, differences))
 }
 
-/// Lets CalculiX solve the frictionless problem with the study's element.
+/// Lets CalculiX solve the frictionless problem with the study's element, and each body alone under lateral forces.
 fn calculix_checks(
     input: &CrosscheckInput<'_>,
     prepared: &Prepared,
@@ -90,23 +91,21 @@ fn calculix_checks(
     let clock = Instant::now();
     let steps = calculix::run(program, folder.path(), "calculix", lowerings.len(), monitor)?;
     let seconds = clock.elapsed().as_secs_f64();
-    let checks = curve
-        .points
-        .iter()
-        .map(|point| {
-            let theirs = displacement_at(&steps, point.force).unwrap_or(f64::NAN);
-            Check::new(
-                PROBLEM,
-                HUB_DISPLACEMENT,
-                Some(point.force),
-                "mm",
-                (point.displacement / MILLIMETRE, theirs / MILLIMETRE),
-                reference_solver,
-                (theirs / point.displacement - 1.0).abs(),
-                (MODEL, Cause::Model),
-            )
-        })
-        .collect();
+    let contact = curve.points.iter().map(|point| {
+        let theirs = displacement_at(&steps, point.force).unwrap_or(f64::NAN);
+        Check::new(
+            PROBLEM,
+            HUB_DISPLACEMENT,
+            Some(point.force),
+            "mm",
+            (point.displacement / MILLIMETRE, theirs / MILLIMETRE),
+            reference_solver,
+            (theirs / point.displacement - 1.0).abs(),
+            (MODEL, Cause::Model),
+        )
+    });
+    let mut checks: Vec<Check> = contact.collect();
+    checks.extend(lateral_checks(&deck, &prepared.answers, (program, reference_solver), folder, monitor)?);
     let timing = Timing {
         problem: PROBLEM.into(),
         reference_solver: reference_solver.into(),
@@ -116,6 +115,39 @@ fn calculix_checks(
         reference_seconds: seconds,
     };
     Ok((checks, timing))
+}
+
+/// The lateral flexibility of each body by CalculiX.
+fn lateral_checks(
+    deck: &Deck<'_>,
+    answers: &Answers,
+    (program, reference_solver): (&str, &str),
+    folder: &OutputFolder,
+    monitor: &dyn Monitor,
+) -> Result<[Check; 2]> {
+    const FILE: &str = "calculix-lateral";
+    let bodies = [&answers.rail, &answers.wheel];
+    let text = deck.lateral_text(bodies.map(|body| body.lateral.as_slice()));
+    folder.write(&format!("{FILE}.inp"), text.as_bytes())?;
+    let moved = calculix::displacements(program, folder.path(), FILE, monitor)?;
+    let offsets = [0, deck.meshes.rail.nodes.len()];
+    Ok([0, 1].map(|k| {
+        let forces = bodies[k].lateral.iter();
+        // a node without an answer makes the whole none
+        let lateral = |node: usize| moved.get(&(node + offsets[k] + 1)).map_or(f64::NAN, |u| u.y);
+        let theirs: f64 = forces.map(|&(node, force)| force * lateral(node)).sum();
+        let own = bodies[k].lateral_flexibility;
+        Check::new(
+            &format!("{}, lateral forces", BODIES[k]),
+            LATERAL_FLEXIBILITY,
+            None,
+            "mm/kN",
+            (own * KILONEWTON / MILLIMETRE, theirs * KILONEWTON / MILLIMETRE),
+            reference_solver,
+            (theirs / own - 1.0).abs(),
+            (MODEL_ELEMENT, Cause::Model),
+        )
+    }))
 }
 
 /// The sections of both bodies, where the reference has answered for every node.

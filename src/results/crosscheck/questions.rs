@@ -22,10 +22,13 @@ pub fn questions(
     let mut asked = vec![question(
         "elastic",
         reference,
-        "Rail and wheel each alone, on the tool's mesh with fully integrated first-order bricks: the displacement of \
-         every node under given nodal forces (those of the contact at the largest load), the displacement of the \
-         contact nodes under single unit forces, the sign of the smallest Jacobian determinant."
-            .into(),
+        format!(
+            "Rail and wheel each alone, on the tool's mesh with its element ({}): the displacement of every node under \
+             given nodal forces (those of the contact at the largest load), the displacement of the contact nodes \
+             under single unit forces along and across the track and down, the sign of the smallest Jacobian \
+             determinant.",
+            answers.element
+        ),
     )];
     let curve = "hub displacement, tangent stiffness and contact area under each load";
     for case in cases {
@@ -35,16 +38,20 @@ pub fn questions(
             ),
             Case::SameMeshFriction if answers.frictional.is_none() => continue,
             Case::SameMeshFriction => {
-                format!("The same with Coulomb friction {}: {curve}.", answers.friction)
+                format!(
+                    "The same with Coulomb friction {}: {curve}, and the horizontal stiffness under each preload.",
+                    answers.friction
+                )
             }
             Case::OtherSurface => format!(
                 "The same without friction, the contact forces carried by the wheel's nodes instead of the rail's: \
                  {curve}."
             ),
             Case::SecondOrder => format!(
-                "Wheel on rail without friction, elements of second order on a finer mesh, against the tool's {} on \
-                 the study's mesh: hub displacement and tangent stiffness under each load.",
-                answers.own_element_name
+                "Wheel on rail without friction, elements of second order on a mesh that is finer at the contact and \
+                 coarser elsewhere, against the tool's {} on the study's mesh: hub displacement and tangent stiffness \
+                 under each load; with friction the horizontal stiffness under each preload.",
+                answers.element
             ),
         };
         asked.push(question(case.name(), reference, text));
@@ -56,8 +63,9 @@ pub fn questions(
             format!(
                 "Wheel on rail without friction, the study's mesh and its element ({}), the program's own contact \
                  between the flat facets of the meshes, to which the tool's answer refers too: the reaction of the hub \
-                 at given displacements, from which the displacement under each load.",
-                answers.own_element_name
+                 at given displacements, from which the displacement under each load. Each body alone: its mean lateral \
+                 displacement under lateral forces in the proportions of the contact's.",
+                answers.element
             ),
         )
     }));
@@ -94,6 +102,7 @@ pub fn tool_curves(answers: &Answers) -> Vec<ToolCurve> {
     let kept = |element: &str, friction: f64, curve: &AnsweredCurve| ToolCurve {
         element: element.into(),
         friction,
+        horizontal: Vec::new(),
         points: curve
             .points
             .iter()
@@ -104,11 +113,17 @@ pub fn tool_curves(answers: &Answers) -> Vec<ToolCurve> {
             })
             .collect(),
     };
-    let mut curves = vec![kept("full integration", 0.0, &answers.frictionless)];
-    curves.extend(answers.frictional.iter().map(|c| kept("full integration", answers.friction, c)));
-    if answers.own_element_name != curves[0].element {
-        curves.push(kept(answers.own_element_name, 0.0, &answers.own_element));
-    }
-    curves.push(kept(&format!("{}, flat facets", answers.own_element_name), 0.0, &answers.faceted));
+    let mut curves = vec![kept(answers.element, 0.0, &answers.frictionless)];
+    curves.extend(answers.frictional.iter().map(|curve| {
+        ToolCurve {
+            horizontal: answers
+                .horizontal
+                .iter()
+                .map(|p| (p.preload / KILONEWTON, p.stiffness / KILONEWTON_PER_METRE))
+                .collect(),
+            ..kept(answers.element, answers.friction, curve)
+        }
+    }));
+    curves.push(kept(&format!("{}, flat facets", answers.element), 0.0, &answers.faceted));
     curves
 }

@@ -9,6 +9,10 @@ use serde::{Deserialize, Serialize};
 pub const HUB_DISPLACEMENT: &str = "hub displacement";
 /// Quantity: tangent stiffness of load over hub displacement.
 pub const TANGENT_STIFFNESS: &str = "tangent stiffness";
+/// Quantity: lateral force over lateral displacement of the hub against the support, all points of the contact that carry load sticking.
+pub const HORIZONTAL_STIFFNESS: &str = "horizontal stiffness";
+/// Quantity: mean lateral displacement of a body's contact under lateral forces of one in all, in the proportions of the contact's.
+pub const LATERAL_FLEXIBILITY: &str = "lateral flexibility";
 
 /// `crosscheck.json`.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -150,6 +154,9 @@ pub struct ToolCurve {
     pub friction: f64,
     /// Load by load.
     pub points: Vec<ToolPoint>,
+    /// Horizontal stiffness by preload, kN/m over kN, of a curve with friction.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub horizontal: Vec<(f64, f64)>,
 }
 
 /// One load of such a curve.

@@ -20,6 +20,7 @@ pub(super) fn exchange(input: &InTimeInput<'_>, geometry: &Geometry, meshes: &Me
         bodies,
         second_order: None,
         loads: Vec::new(),
+        preloads: Vec::new(),
         friction: input.case.friction,
         cases: Vec::new(),
         input_hash: input.key(),

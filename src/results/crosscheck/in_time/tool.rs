@@ -3,7 +3,6 @@
 use std::time::Instant;
 
 use railspring_calibrate::calibration::{ContactField, Enforcement};
-use railspring_calibrate::solid::Formulation;
 use railspring_profiles::error::{InputError, Result};
 use railspring_profiles::field::InputField;
 use railspring_profiles::monitor::Monitor;
@@ -26,7 +25,7 @@ pub struct ToolRuns {
     pub seconds: f64,
 }
 
-/// Runs the load case on both bodies at full order: fully integrated bricks and contact nodes, as the reference has them.
+/// Runs the load case on both bodies at full order, with contact nodes, as the reference has them.
 ///
 /// # Errors
 /// Those of the run, and [`InputError`] with its time for a load case that ends early.
@@ -43,7 +42,7 @@ pub fn runs(
         &geometry.pair,
         [&meshes.rail, &meshes.wheel],
         damped.each_ref(),
-        Formulation::FullIntegration,
+        statics.element.formulation(),
         (Enforcement::Exact, ContactField::Elements),
     );
     let scenario = Scenario { inner_steps: InnerSteps::Equal(input.inner_steps), ..input.case.clone() };
