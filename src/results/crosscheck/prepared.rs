@@ -17,8 +17,8 @@ use crate::study::Statics;
 /// Size of the contact elements of the second-order mesh over that of the study's mesh.
 const FINER: f64 = 0.75;
 /// Size of the elements of sections and along the bodies of the second-order mesh over that of the study's mesh: with those of a standard
-/// study one factor of the wheel needs less than 12 GB.
-const COARSER: f64 = 1.45;
+/// study one factor of the wheel needs 12 GB.
+const COARSER: f64 = 2.0;
 
 /// A study with the tool's answers and the questions.
 pub struct Prepared {
