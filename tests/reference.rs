@@ -159,7 +159,8 @@ fn a_stiffer_disc_is_found() {
     let mut exchange = prepared().exchange.clone();
     exchange.cases = vec![Case::SameMeshFriction];
     exchange.bodies[1].element = "full integration";
-    let stiff = horizontal(&compared(&exchange));
+    let checks = compared(&exchange);
+    let stiff = horizontal(&checks);
     assert!(stiff.iter().all(|c| !c.holds && c.reference_value > 1.02 * c.tool), "{stiff:?}");
 }
 

@@ -19,8 +19,10 @@ pub(super) struct Package {
     pub name: &'static str,
     /// What its folder is called.
     pub short: &'static str,
-    /// Its modules: file and text.
+    /// Modules that all of its commands share: file and text.
     files: &'static [(&'static str, &'static str)],
+    /// Modules beside them that answer the static questions of a cross-check.
+    statics: &'static [(&'static str, &'static str)],
     /// Modules beside them that run load cases in time.
     in_time: &'static [(&'static str, &'static str)],
     /// Modules beside them that answer no question of a cross-check.
@@ -47,6 +49,9 @@ pub(super) static REFERENCE: Package = Package {
         ("body.py", include_str!("../../reference/src/railspring_reference/body.py")),
         ("exchange.py", include_str!("../../reference/src/railspring_reference/exchange.py")),
         ("surface.py", include_str!("../../reference/src/railspring_reference/surface.py")),
+        ("command.py", include_str!("../../reference/src/railspring_reference/command.py")),
+    ],
+    statics: &[
         ("contact.py", include_str!("../../reference/src/railspring_reference/contact.py")),
         ("run.py", include_str!("../../reference/src/railspring_reference/run.py")),
     ],
@@ -83,6 +88,7 @@ pub(super) static CLUSTER: Package = Package {
         ("worker.py", include_str!("../../cluster/src/railspring_cluster/worker.py")),
         ("client.py", include_str!("../../cluster/src/railspring_cluster/client.py")),
     ],
+    statics: &[],
     in_time: &[],
     readers: &[],
     imports: "distributed",
@@ -98,7 +104,7 @@ fn hash_of<'a>(files: impl Iterator<Item = &'a (&'static str, &'static str)>) ->
 
 impl Package {
     fn all(&self) -> impl Iterator<Item = &'static (&'static str, &'static str)> {
-        self.files.iter().chain(self.in_time).chain(self.readers)
+        self.files.iter().chain(self.statics).chain(self.in_time).chain(self.readers)
     }
 
     /// BLAKE3 of all its source files.
@@ -108,7 +114,7 @@ impl Package {
 
     /// The same of those that answer the static questions of a cross-check.
     pub fn hash_of_answers(&self) -> String {
-        hash_of(self.files.iter())
+        hash_of(self.files.iter().chain(self.statics))
     }
 
     /// The same of those that run load cases in time.

@@ -12,11 +12,11 @@ from typing import Any
 
 import numpy as np
 
+from .command import ended, progress, provenance
 from .dynamics import Moving, Suspended
 from .exchange import Exchange
 from .in_time import Case, Harmonic, Row, run
 from .moving_surfaces import Facing, Surface
-from .run import ended, progress, provenance
 
 
 def harmonic(asked: dict[str, float]) -> Harmonic:

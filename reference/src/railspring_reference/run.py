@@ -1,43 +1,24 @@
 """The whole reference run: exchange folder in, ``reference.json`` and fields out."""
 
-import datetime
-import hashlib
 import json
-import platform
 import sys
 import time
-from collections.abc import Callable
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from . import __version__
 from .body import Body
+from .command import ended, progress, provenance
 from .contact import Carrier, Contact
 from .exchange import Exchange
-from .factor import solver
-from .iteration import BeyondCandidates, NotConverged
+from .iteration import BeyondCandidates
 
 FIRST_REACH = 0.08e-3
 """First guess of the largest gap of a candidate at touching, m."""
-PACKAGES = ("scikit-fem", "meshio", "numpy", "scipy")
 BODIES = ("rail", "wheel")
-
-
-def progress(stage: str, done: int, total: int) -> None:
-    """One line for the tool: stage, pieces done, pieces in all."""
-    print(f"PROGRESS\t{stage}\t{done}\t{total}", flush=True)
-
-
-def input_hash(folder: Path) -> str:
-    """SHA-256 of the exchange's input files, in the order of their names."""
-    digest = hashlib.sha256()
-    for path in sorted([*folder.glob("*.vtu"), folder / "exchange.json"]):
-        digest.update(path.name.encode())
-        digest.update(path.read_bytes())
-    return digest.hexdigest()
+HORIZONTAL = "second_order_horizontal"
+"""The case of the horizontal stiffness alone."""
 
 
 def elastic(exchange: Exchange, name: str, body: Body) -> dict[str, Any]:
@@ -60,10 +41,16 @@ def elastic(exchange: Exchange, name: str, body: Body) -> dict[str, Any]:
 
 
 def condense(
-    exchange: Exchange, bodies: dict[str, Body], case: str, tangential: bool = False, carrier: Carrier = "rail"
+    exchange: Exchange,
+    bodies: dict[str, Body],
+    case: str,
+    tangential: bool = False,
+    carrier: Carrier = "rail",
+    variant: str = "bodies",
 ) -> Contact:
-    """The contact problem with enough candidates for the largest load."""
-    variant = "second_order" if case == "second_order" else "bodies"
+    """The contact problem with enough candidates for the largest load, or for the largest preload where the case asks
+    for the horizontal stiffness alone."""
+    largest = (exchange.preloads if case == HORIZONTAL else exchange.loads)[-1]
     sides = (exchange.side("wheel", variant), exchange.side("rail", variant))
     reach = FIRST_REACH
     for _ in range(3):
@@ -72,7 +59,7 @@ def condense(
             lambda stage, done, of: progress(f"{case.replace('_', ' ')}: {stage}", done, of), carrier,
         )
         try:
-            contact.press(float(exchange.loads[-1]), None)
+            contact.press(float(largest), None)
         except BeyondCandidates:
             reach *= 1.5
         else:
@@ -110,19 +97,6 @@ def horizontal(exchange: Exchange, contact: Contact, label: str) -> list[dict[st
     return rows
 
 
-def provenance(folder: Path, begun: float) -> dict[str, Any]:
-    """Where a result comes from; ``begun``: when it began, s of the performance counter."""
-    return {
-        "package": f"railspring-reference {__version__}",
-        "python": platform.python_version(),
-        "packages": {name: version(name) for name in PACKAGES},
-        "solver": solver(),
-        "input_sha256": input_hash(folder),
-        "date_utc": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%dT%H:%M:%SZ"),
-        "seconds": time.perf_counter() - begun,
-    }
-
-
 def run(folder: Path) -> dict[str, Any]:
     """Solves everything the exchange asks for and writes ``reference.json``."""
     begun = time.perf_counter()
@@ -139,9 +113,8 @@ def run(folder: Path) -> dict[str, Any]:
         case: str, contact: Contact, begun: float, bodies: dict[str, Body], sticking: Contact | None = None
     ) -> None:
         label = case.replace("_", " ")
-        rows = load_curve(exchange, contact, label)
         result["contact"][case] = {
-            "rows": rows,
+            "rows": [] if case == HORIZONTAL else load_curve(exchange, contact, label),
             "horizontal": horizontal(exchange, sticking, label) if sticking else [],
             "multipliers": contact.count,
             "degrees_of_freedom": sum(body.degrees_of_freedom for body in bodies.values()),
@@ -158,12 +131,14 @@ def run(folder: Path) -> dict[str, Any]:
         started = time.perf_counter()
         answer("other_surface", condense(exchange, bodies, "other_surface", carrier="wheel"), started, bodies)
     del bodies
-    if "second_order" in cases:
-        started = time.perf_counter()
-        higher = {name: exchange.body(name, "second_order") for name in BODIES}
-        contact = condense(exchange, higher, "second_order", exchange.friction > 0.0)
-        sticking = contact.with_friction(exchange.friction) if exchange.friction > 0.0 else None
-        answer("second_order", contact, started, higher, sticking)
+    for case in ("second_order", HORIZONTAL):
+        if case in cases:
+            started = time.perf_counter()
+            higher = {name: exchange.body(name, case) for name in BODIES}
+            contact = condense(exchange, higher, case, case == HORIZONTAL, variant=case)
+            sticking = contact.with_friction(exchange.friction) if case == HORIZONTAL else None
+            answer(case, contact, started, higher, sticking)
+            del higher, contact, sticking
     result["provenance"] = provenance(folder, begun)
     (folder / "reference.json").write_text(json.dumps(result, indent=1), encoding="utf-8")
     return result
@@ -172,24 +147,3 @@ def run(folder: Path) -> dict[str, Any]:
 def main(arguments: list[str] | None = None) -> int:
     """Entry point with the exchange folder."""
     return ended("railspring_reference", run, sys.argv[1:] if arguments is None else arguments)
-
-
-def ended(module: str, answer: Callable[[Path], object], arguments: list[str]) -> int:
-    """Answers an exchange folder, and the exit code: 2 for input that cannot be used and 3 where the numerics do not
-    reach an answer. An iteration that stops has a line for the tool: what, iterations, residual, points."""
-    if len(arguments) != 1:
-        print(f"usage: python -m {module} EXCHANGE_FOLDER", file=sys.stderr)
-        return 2
-    try:
-        answer(Path(arguments[0]))
-    except NotConverged as stop:
-        print(f"STOPPED\t{stop.what}\t{stop.iterations}\t{stop.residual}\t{stop.points}", flush=True)
-        cause, code = f"{stop}", 3
-    except (BeyondCandidates, np.linalg.LinAlgError, RuntimeError, ArithmeticError, MemoryError) as stop:
-        cause, code = f"{type(stop).__name__}: {stop}", 3
-    except (ValueError, OSError, KeyError) as stop:
-        cause, code = f"{type(stop).__name__}: {stop}", 2
-    else:
-        return 0
-    print(f"error: {cause}", file=sys.stderr)
-    return code

@@ -36,8 +36,10 @@ pub enum Case {
     /// Frictionless contact on the same mesh and element, the contact forces carried by the nodes of the wheel
     /// instead of the rail's.
     OtherSurface,
-    /// Frictionless contact with elements of second order on another mesh, and the horizontal stiffness.
+    /// Frictionless contact with elements of second order on another mesh.
     SecondOrder,
+    /// The horizontal stiffness with elements of second order on a third mesh.
+    SecondOrderHorizontal,
 }
 
 impl Case {
@@ -48,6 +50,7 @@ impl Case {
             Self::SameMeshFriction => "same_mesh_friction",
             Self::OtherSurface => "other_surface",
             Self::SecondOrder => "second_order",
+            Self::SecondOrderHorizontal => "second_order_horizontal",
         }
     }
 }
@@ -80,8 +83,8 @@ pub struct Body {
 pub struct Exchange {
     /// Rail and wheel.
     pub bodies: [Body; 2],
-    /// Rail and wheel for elements of second order, if they are wanted.
-    pub second_order: Option<[Body; 2]>,
+    /// Rail and wheel for elements of second order, case by case.
+    pub second_order: Vec<(Case, [Body; 2])>,
     /// Loads, N.
     pub loads: Vec<f64>,
     /// Loads under which the horizontal stiffness is asked for, N.
@@ -100,14 +103,14 @@ pub struct Exchange {
 pub const BODIES: [&str; 2] = ["rail", "wheel"];
 
 impl Exchange {
-    /// Collects the questions; `fine` are the meshes for elements of second order, if they are wanted.
+    /// Collects the questions; `others` are the meshes for elements of second order, case by case.
     pub fn new(
         input: &CrosscheckInput<'_>,
         geometry: &Geometry,
         meshes: &Meshes,
-        fine: Option<&Meshes>,
+        others: &[(Case, Meshes)],
         answers: &Answers,
-        cases: Vec<Case>,
+        cases: &[Case],
     ) -> Self {
         let statics = input.statics();
         let body = |meshes: &Meshes, k: usize, element: &'static str| {
@@ -123,11 +126,18 @@ impl Exchange {
         };
         Self {
             bodies: [0, 1].map(answered),
-            second_order: fine.map(|fine| [0, 1].map(|k| body(fine, k, SECOND_ORDER))),
+            second_order: others
+                .iter()
+                .map(|(case, meshes)| (*case, [0, 1].map(|k| body(meshes, k, SECOND_ORDER))))
+                .collect(),
             loads: answers.loads.clone(),
             preloads: answers.horizontal.iter().map(|point| point.preload).collect(),
             friction: answers.friction,
-            cases,
+            cases: cases
+                .iter()
+                .copied()
+                .filter(|case| *case != Case::SecondOrderHorizontal || !answers.horizontal.is_empty())
+                .collect(),
             input_hash: input.key(),
             in_time: None,
         }
@@ -153,16 +163,11 @@ impl Exchange {
             }
             Ok(entries.into())
         };
-        let second_order = match &self.second_order {
-            Some(bodies) => set(bodies, "fine_")?,
-            None => Value::Null,
-        };
         let mut exchange = json!({
             "format": FORMAT,
             "input_hash": self.input_hash,
             "tool": concat!("railspring ", env!("CARGO_PKG_VERSION")),
             "bodies": set(&self.bodies, "")?,
-            "second_order": second_order,
             "contact": {
                 "loads_n": self.loads,
                 "preloads_n": self.preloads,
@@ -170,6 +175,9 @@ impl Exchange {
                 "cases": self.cases.iter().map(|c| c.name()).collect::<Vec<_>>(),
             },
         });
+        for (case, bodies) in &self.second_order {
+            exchange[case.name()] = set(bodies, &format!("{}_", case.name()))?;
+        }
         if let Some(case) = &self.in_time {
             exchange["in_time"] = case.clone();
         }

@@ -50,8 +50,14 @@ pub fn questions(
             Case::SecondOrder => format!(
                 "Wheel on rail without friction, elements of second order on a mesh that is finer at the contact and \
                  coarser elsewhere, against the tool's {} on the study's mesh: hub displacement and tangent stiffness \
-                 under each load; with friction the horizontal stiffness under each preload.",
+                 under each load.",
                 answers.element
+            ),
+            Case::SecondOrderHorizontal if answers.horizontal.is_empty() => continue,
+            Case::SecondOrderHorizontal => format!(
+                "The same with friction {} on a mesh that is coarser at the contact: the horizontal stiffness under \
+                 each preload.",
+                answers.friction
             ),
         };
         asked.push(question(case.name(), reference, text));
@@ -90,9 +96,12 @@ pub fn same_mesh(exchange: &Exchange) -> Vec<ExchangedMesh> {
 /// Sizes of the exported meshes.
 pub fn meshes(exchange: &Exchange) -> Vec<ExchangedMesh> {
     let mut sizes = same_mesh(exchange);
-    if let Some(bodies) = &exchange.second_order {
-        let fine = BODIES.iter().zip(bodies);
-        sizes.extend(fine.map(|(name, body)| size(name, &body.mesh, "for elements of second order")));
+    for (case, bodies) in &exchange.second_order {
+        let purpose = match case {
+            Case::SecondOrderHorizontal => "for the horizontal stiffness with elements of second order",
+            _ => "for elements of second order",
+        };
+        sizes.extend(BODIES.iter().zip(bodies).map(|(name, body)| size(name, &body.mesh, purpose)));
     }
     sizes
 }
