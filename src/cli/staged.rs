@@ -262,12 +262,11 @@ pub(super) fn done(
             (results, true)
         }
         Action::Crosscheck { second_order, with_calculix, keep } => {
-            const CASES: [Case; 5] = [
+            const CASES: [Case; 4] = [
                 Case::SameMesh,
                 Case::SameMeshFriction,
                 Case::OtherSurface,
                 Case::SecondOrder,
-                Case::SecondOrderHorizontal,
             ];
             let cases = if second_order { &CASES[..] } else { &CASES[..3] };
             let record = pipeline.crosscheck(cases, with_calculix, keep)?;

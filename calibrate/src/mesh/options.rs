@@ -70,8 +70,8 @@ impl Default for MeshOptions {
             rail_section_element: RAIL_SECTION_ELEMENT,
             wheel_section_element: WHEEL_SECTION_ELEMENT,
             growth: 1.6,
-            rail_length_element: 40e-3,
-            wheel_arc_element: 80e-3,
+            rail_length_element: 20e-3,
+            wheel_arc_element: 60e-3,
         }
     }
 }
@@ -125,7 +125,7 @@ impl MeshOptions {
         self.sizes(
             self.wheel_section_element,
             self.wheel_section_element / WHEEL_SECTION_ELEMENT,
-            [0.3, 0.15],
+            [0.2, 0.1],
         )
     }
 
@@ -206,7 +206,7 @@ fn layer_depth(first: f64, growth: f64, layers: usize) -> f64 {
 /// Usual largest element of a rail's section, m.
 const RAIL_SECTION_ELEMENT: f64 = 12e-3;
 /// Usual largest element of a wheel's section, m.
-const WHEEL_SECTION_ELEMENT: f64 = 14e-3;
+const WHEEL_SECTION_ELEMENT: f64 = 10e-3;
 /// Largest parts of thickness and radius that an element may have: two elements over the thickness, and eight on a half
 /// circle.
 const LARGEST_PARTS: [f64; 2] = [0.575, 0.4];

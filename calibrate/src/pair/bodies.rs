@@ -288,7 +288,11 @@ impl CondensedPair {
         if reference == Reference::HalfSpaces {
             let [rail, wheel] = [&self.rail_on_ends, &self.wheel];
             let materials = [rail.surface, wheel.surface];
-            return Ok(pair.half_spaces_on_rail([&rail.grid, &wheel.grid], materials, ContactField::Hybrid));
+            let field = match contact.field {
+                ContactField::Elements => ContactField::Hybrid,
+                fine => fine,
+            };
+            return Ok(pair.half_spaces_on_rail([&rail.grid, &wheel.grid], materials, field));
         }
         let body = self.rail(reference)?;
         let (held, compliance) = match reference {

@@ -147,7 +147,7 @@ fn changes(points: &SolidPoints, among: &[usize], from: &SolidPoints, to: &Solid
         foot: with(|points| points.foot.as_ref()),
         beam: changes_between(&points.beam, among, &from.beam, &to.beam),
         local: changes_between(&points.local, among, &from.local, &to.local),
-        half_spaces: None,
+        half_spaces: with(|points| points.half_spaces.as_ref()),
     }
 }
 
@@ -218,9 +218,10 @@ impl<'a> Solid<'a> {
         laws: &Laws,
         replicates: &[Pair],
     ) -> Self {
-        // half-spaces have no meshes, and the change with the grid is that of the solids
-        let points = SolidPoints { half_spaces: None, ..laws.map(|law| law.points.clone()) };
+        let mut points = laws.map(|law| law.points.clone());
         let count = points.beam.len();
+        // where fewer loads were carried there, the numbers of the loads are others
+        points.half_spaces = points.half_spaces.filter(|points| points.len() == count);
         let few = count <= LOADS_COARSER;
         let in_turn = points.beam.iter().filter(|_| few).map(|point| point.force).collect();
         Self {
@@ -284,7 +285,8 @@ impl<'a> Solid<'a> {
     /// Changes to a grid of half the spacing; none for a contact on the nodes of the meshes.
     ///
     /// The grid concerns the normal contact, which is the same whatever holds the rail. So the wheel is pressed on both grids without
-    /// friction and with the section held, and what displacement and compliance change by there, they change by in every law.
+    /// friction and with the section held, and what displacement and compliance change by there, they change by in every law of the solids; on
+    /// half-spaces alone it is pressed by itself.
     ///
     /// # Errors
     /// Those of [`press_loads`](crate::calibration::press_loads) and of the tangents.
@@ -292,10 +294,36 @@ impl<'a> Solid<'a> {
         if self.contact.field == ContactField::Elements {
             return Ok(None);
         }
+        let (from, to) = rayon::join(
+            || self.on_both_grids(Reference::Beam, Self::points_of, monitor),
+            || {
+                let pressed = |_: &Vec<LoadPoint>| {
+                    let points = |_: &Self, placed: &WheelOnRail, states: &[Pressed]| {
+                        load_points(placed, states, Reference::HalfSpaces)
+                    };
+                    self.on_both_grids(Reference::HalfSpaces, points, monitor)
+                };
+                self.points.half_spaces.as_ref().map(pressed).transpose()
+            },
+        );
+        let ([mut from, mut to], half_spaces) = (from?, to?);
+        if let Some([on_grid, on_halved]) = half_spaces {
+            (from.half_spaces, to.half_spaces) = (Some(on_grid), Some(on_halved));
+        }
+        Ok(Some(changes(&self.points, &self.halved, &from, &to)))
+    }
+
+    /// What the `halved` loads come to without friction, on the grid and on one of half its spacing.
+    fn on_both_grids<T>(
+        &self,
+        reference: Reference,
+        points: impl Fn(&Self, &WheelOnRail, &[Pressed]) -> Result<T>,
+        monitor: &dyn Monitor,
+    ) -> Result<[T; 2]> {
         let (loads, stage) = (self.forces(&self.halved), "error of the grid");
         let on = |field| {
             let contact = ContactConditions { field, friction: 0.0, ..self.contact };
-            self.placed(self.pair, self.bodies, Reference::Beam, contact)
+            self.placed(self.pair, self.bodies, reference, contact)
         };
         let (on_grid, on_halved) = (on(ContactField::Hybrid)?, on(ContactField::HybridHalved)?);
         let states = press_loads_apart(&on_grid, &loads, stage, monitor)?;
@@ -306,8 +334,7 @@ impl<'a> Solid<'a> {
             halved.push(on_halved.press(state.load, Some(state)).map_err(|error| error.at_step(i + 1))?);
         }
         monitor.progress(stage, loads.len(), loads.len())?;
-        let (from, to) = (self.points_of(&on_grid, &states)?, self.points_of(&on_halved, &halved)?);
-        Ok(Some(changes(&self.points, &self.halved, &from, &to)))
+        Ok([points(self, &on_grid, &states)?, points(self, &on_halved, &halved)?])
     }
 
     /// Changes to `coarser` meshes, with friction, which has the same history of loads on both.
@@ -359,7 +386,13 @@ impl<'a> Solid<'a> {
         let points = |pair: &Pair| -> Result<SolidPoints> {
             let placed = self.placed(pair, self.bodies, Reference::Beam, contact)?;
             let states = press_loads_apart(&placed, &loads, "error by scatter", monitor)?;
-            self.points_of(&placed, &states)
+            let mut found = self.points_of(&placed, &states)?;
+            if self.points.half_spaces.is_some() {
+                let placed = self.placed(pair, self.bodies, Reference::HalfSpaces, contact)?;
+                let states = press_loads_apart(&placed, &loads, "error by scatter", monitor)?;
+                found.half_spaces = Some(load_points(&placed, &states, Reference::HalfSpaces)?);
+            }
+            Ok(found)
         };
         let from = points(self.pair)?;
         let of: Vec<Changes> = replicates
@@ -381,7 +414,8 @@ impl<'a> Solid<'a> {
             })
         };
         let [beam, local] = [Reference::Beam, Reference::Local].map(|r| uncertainty(r).unwrap_or_default());
-        Ok(Some(Changes { foot: uncertainty(Reference::Foot), beam, local, half_spaces: None }))
+        let [foot, half_spaces] = [Reference::Foot, Reference::HalfSpaces].map(uncertainty);
+        Ok(Some(Changes { foot, beam, local, half_spaces }))
     }
 
     /// The loads with some numbers, N.

@@ -17,8 +17,6 @@ from .iteration import BeyondCandidates
 FIRST_REACH = 0.08e-3
 """First guess of the largest gap of a candidate at touching, m."""
 BODIES = ("rail", "wheel")
-HORIZONTAL = "second_order_horizontal"
-"""The case of the horizontal stiffness alone."""
 
 
 def elastic(exchange: Exchange, name: str, body: Body) -> dict[str, Any]:
@@ -48,9 +46,7 @@ def condense(
     carrier: Carrier = "rail",
     variant: str = "bodies",
 ) -> Contact:
-    """The contact problem with enough candidates for the largest load, or for the largest preload where the case asks
-    for the horizontal stiffness alone."""
-    largest = (exchange.preloads if case == HORIZONTAL else exchange.loads)[-1]
+    """The contact problem with enough candidates for the largest load."""
     sides = (exchange.side("wheel", variant), exchange.side("rail", variant))
     reach = FIRST_REACH
     for _ in range(3):
@@ -59,7 +55,7 @@ def condense(
             lambda stage, done, of: progress(f"{case.replace('_', ' ')}: {stage}", done, of), carrier,
         )
         try:
-            contact.press(float(largest), None)
+            contact.press(float(exchange.loads[-1]), None)
         except BeyondCandidates:
             reach *= 1.5
         else:
@@ -114,7 +110,7 @@ def run(folder: Path) -> dict[str, Any]:
     ) -> None:
         label = case.replace("_", " ")
         result["contact"][case] = {
-            "rows": [] if case == HORIZONTAL else load_curve(exchange, contact, label),
+            "rows": load_curve(exchange, contact, label),
             "horizontal": horizontal(exchange, sticking, label) if sticking else [],
             "multipliers": contact.count,
             "degrees_of_freedom": sum(body.degrees_of_freedom for body in bodies.values()),
@@ -131,14 +127,13 @@ def run(folder: Path) -> dict[str, Any]:
         started = time.perf_counter()
         answer("other_surface", condense(exchange, bodies, "other_surface", carrier="wheel"), started, bodies)
     del bodies
-    for case in ("second_order", HORIZONTAL):
-        if case in cases:
-            started = time.perf_counter()
-            higher = {name: exchange.body(name, case) for name in BODIES}
-            contact = condense(exchange, higher, case, case == HORIZONTAL, variant=case)
-            sticking = contact.with_friction(exchange.friction) if case == HORIZONTAL else None
-            answer(case, contact, started, higher, sticking)
-            del higher, contact, sticking
+    case = "second_order"
+    if case in cases:
+        started = time.perf_counter()
+        higher = {name: exchange.body(name, case) for name in BODIES}
+        sticks = len(exchange.preloads) > 0
+        contact = condense(exchange, higher, case, sticks, variant=case)
+        answer(case, contact, started, higher, contact.with_friction(exchange.friction) if sticks else None)
     result["provenance"] = provenance(folder, begun)
     (folder / "reference.json").write_text(json.dumps(result, indent=1), encoding="utf-8")
     return result

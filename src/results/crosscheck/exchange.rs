@@ -36,10 +36,8 @@ pub enum Case {
     /// Frictionless contact on the same mesh and element, the contact forces carried by the nodes of the wheel
     /// instead of the rail's.
     OtherSurface,
-    /// Frictionless contact with elements of second order on another mesh.
+    /// Frictionless contact, and the horizontal stiffness, with elements of second order on another mesh.
     SecondOrder,
-    /// The horizontal stiffness with elements of second order on a third mesh.
-    SecondOrderHorizontal,
 }
 
 impl Case {
@@ -50,7 +48,6 @@ impl Case {
             Self::SameMeshFriction => "same_mesh_friction",
             Self::OtherSurface => "other_surface",
             Self::SecondOrder => "second_order",
-            Self::SecondOrderHorizontal => "second_order_horizontal",
         }
     }
 }
@@ -83,8 +80,8 @@ pub struct Body {
 pub struct Exchange {
     /// Rail and wheel.
     pub bodies: [Body; 2],
-    /// Rail and wheel for elements of second order, case by case.
-    pub second_order: Vec<(Case, [Body; 2])>,
+    /// Rail and wheel for elements of second order.
+    pub second_order: Option<[Body; 2]>,
     /// Loads, N.
     pub loads: Vec<f64>,
     /// Loads under which the horizontal stiffness is asked for, N.
@@ -103,12 +100,12 @@ pub struct Exchange {
 pub const BODIES: [&str; 2] = ["rail", "wheel"];
 
 impl Exchange {
-    /// Collects the questions; `others` are the meshes for elements of second order, case by case.
+    /// Collects the questions; `other` are the meshes for elements of second order.
     pub fn new(
         input: &CrosscheckInput<'_>,
         geometry: &Geometry,
         meshes: &Meshes,
-        others: &[(Case, Meshes)],
+        other: Option<&Meshes>,
         answers: &Answers,
         cases: &[Case],
     ) -> Self {
@@ -126,18 +123,11 @@ impl Exchange {
         };
         Self {
             bodies: [0, 1].map(answered),
-            second_order: others
-                .iter()
-                .map(|(case, meshes)| (*case, [0, 1].map(|k| body(meshes, k, SECOND_ORDER))))
-                .collect(),
+            second_order: other.map(|meshes| [0, 1].map(|k| body(meshes, k, SECOND_ORDER))),
             loads: answers.loads.clone(),
             preloads: answers.horizontal.iter().map(|point| point.preload).collect(),
             friction: answers.friction,
-            cases: cases
-                .iter()
-                .copied()
-                .filter(|case| *case != Case::SecondOrderHorizontal || !answers.horizontal.is_empty())
-                .collect(),
+            cases: cases.to_vec(),
             input_hash: input.key(),
             in_time: None,
         }
@@ -175,8 +165,8 @@ impl Exchange {
                 "cases": self.cases.iter().map(|c| c.name()).collect::<Vec<_>>(),
             },
         });
-        for (case, bodies) in &self.second_order {
-            exchange[case.name()] = set(bodies, &format!("{}_", case.name()))?;
+        if let Some(bodies) = &self.second_order {
+            exchange["second_order"] = set(bodies, "second_order_")?;
         }
         if let Some(case) = &self.in_time {
             exchange["in_time"] = case.clone();

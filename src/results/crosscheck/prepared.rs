@@ -14,18 +14,8 @@ use crate::results::crosscheck::input::CrosscheckInput;
 use crate::results::crosscheck::solvers::purpose;
 use crate::study::Statics;
 
-/// Sizes of a mesh for elements of second order over those of the study's mesh.
-struct Sizes {
-    /// At the contact.
-    contact: f64,
-    /// Of sections and around the wheel.
-    bodies: f64,
-}
-
-/// For the load curve: finer at the contact, and coarser where elements of second order need fewer, so that one factor of the wheel takes some 15 GB.
-const CURVE: Sizes = Sizes { contact: 0.75, bodies: 2.0 };
-/// For the horizontal stiffness, which is the bending of web and disc: its contact is as it is in the study, so that only the bodies differ.
-const HORIZONTAL: Sizes = Sizes { contact: 1.0, bodies: 1.4 };
+/// Size of a section's elements of second order over that of the study: they need fewer, as they bend.
+const SECTION: f64 = 2.0;
 
 /// A study with the tool's answers and the questions.
 pub struct Prepared {
@@ -41,7 +31,8 @@ pub struct Prepared {
 
 /// Computes the tool's answers and collects the questions.
 ///
-/// Elements of second order are on other meshes; a mesh from a file stays as it is.
+/// Elements of second order are on other meshes, as long around the wheel: their sides are straight, so that the wheel is the same polygon.
+/// A mesh from a file stays as it is.
 ///
 /// # Errors
 /// Those of meshing and calibration, and sizes that the machine cannot hold.
@@ -51,21 +42,15 @@ pub fn prepare(input: &CrosscheckInput<'_>, cases: &[Case], resources: &Resource
     let (options, work) = (zones::mesh_options(statics, &geometry), Work::of_crosscheck(purpose(cases)));
     let (meshes, _) = estimate::meshes(&input.solids(), &geometry, options, &work, resources)?;
     let answers = answers::answers(statics, &geometry, &meshes, resources.monitor)?;
-    let mut others = Vec::new();
-    for (case, sizes) in [(Case::SecondOrder, CURVE), (Case::SecondOrderHorizontal, HORIZONTAL)] {
-        // what does not stick has no horizontal stiffness
-        let asked = case == Case::SecondOrder || !answers.horizontal.is_empty();
-        if asked && cases.contains(&case) {
-            let mut other = statics.mesh.clone();
-            other.contact_element *= sizes.contact;
-            other.contact_element_along *= sizes.contact;
-            other.rail_section_element *= sizes.bodies;
-            other.wheel_section_element *= sizes.bodies;
-            other.wheel_arc_element *= sizes.bodies;
-            others.push((case, zones::remeshed(Statics { mesh: &other, ..statics }, &geometry, &meshes)?));
-        }
-    }
-    let exchange = Exchange::new(input, &geometry, &meshes, &others, &answers, cases);
+    let other = if cases.contains(&Case::SecondOrder) {
+        let mut other = statics.mesh.clone();
+        other.rail_section_element *= SECTION;
+        other.wheel_section_element *= SECTION;
+        Some(zones::remeshed(Statics { mesh: &other, ..statics }, &geometry, &meshes)?)
+    } else {
+        None
+    };
+    let exchange = Exchange::new(input, &geometry, &meshes, other.as_ref(), &answers, cases);
     Ok(Prepared { geometry, meshes, answers, exchange })
 }
 

@@ -4,7 +4,7 @@ use railspring_calibrate::mesh::HexMesh;
 use railspring_profiles::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE};
 
 use crate::results::crosscheck::answers::{AnsweredCurve, Answers};
-use crate::results::crosscheck::exchange::{BODIES, Case, Exchange};
+use crate::results::crosscheck::exchange::{BODIES, Body, Case, Exchange};
 use crate::results::crosscheck::record::{ExchangedMesh, Question, ToolCurve, ToolPoint};
 
 /// The questions to the reference, and to CalculiX if it runs; `reference` and `calculix` are their names.
@@ -48,16 +48,13 @@ pub fn questions(
                  {curve}."
             ),
             Case::SecondOrder => format!(
-                "Wheel on rail without friction, elements of second order on a mesh that is finer at the contact and \
-                 coarser elsewhere, against the tool's {} on the study's mesh: hub displacement and tangent stiffness \
-                 under each load.",
-                answers.element
-            ),
-            Case::SecondOrderHorizontal if answers.horizontal.is_empty() => continue,
-            Case::SecondOrderHorizontal => format!(
-                "The same with friction {} on a mesh that is coarser at the contact: the horizontal stiffness under \
-                 each preload.",
-                answers.friction
+                "Wheel on rail without friction, elements of second order on another mesh with the same contact nodes, \
+                 against the tool's {} on the study's mesh: hub displacement and tangent stiffness under each load{}.",
+                answers.element,
+                match answers.horizontal.is_empty() {
+                    true => String::new(),
+                    false => format!(", and with friction {} the horizontal stiffness", answers.friction),
+                }
             ),
         };
         asked.push(question(case.name(), reference, text));
@@ -96,12 +93,9 @@ pub fn same_mesh(exchange: &Exchange) -> Vec<ExchangedMesh> {
 /// Sizes of the exported meshes.
 pub fn meshes(exchange: &Exchange) -> Vec<ExchangedMesh> {
     let mut sizes = same_mesh(exchange);
-    for (case, bodies) in &exchange.second_order {
-        let purpose = match case {
-            Case::SecondOrderHorizontal => "for the horizontal stiffness with elements of second order",
-            _ => "for elements of second order",
-        };
-        sizes.extend(BODIES.iter().zip(bodies).map(|(name, body)| size(name, &body.mesh, purpose)));
+    if let Some(bodies) = &exchange.second_order {
+        let of = |(name, body): (&&str, &Body)| size(name, &body.mesh, "for elements of second order");
+        sizes.extend(BODIES.iter().zip(bodies).map(of));
     }
     sizes
 }

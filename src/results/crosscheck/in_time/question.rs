@@ -18,7 +18,7 @@ pub(super) fn exchange(input: &InTimeInput<'_>, geometry: &Geometry, meshes: &Me
     });
     Exchange {
         bodies,
-        second_order: Vec::new(),
+        second_order: None,
         loads: Vec::new(),
         preloads: Vec::new(),
         friction: input.case.friction,
