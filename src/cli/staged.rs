@@ -53,7 +53,7 @@ pub(super) enum StudyCommand {
     Crosscheck {
         #[command(flatten)]
         study: StudyArgs,
-        /// Compare with elements of second order, too: some minutes, and 12 GB of memory with the default mesh
+        /// Compare with elements of second order, too: some minutes, and 19 GB of memory with the default mesh
         #[arg(long)]
         second_order: bool,
         /// Compare with another program, too, if it is installed

@@ -69,7 +69,7 @@ pub struct Answers {
     pub frictionless: AnsweredCurve,
     /// Load curve with the study's friction, if it has any.
     pub frictional: Option<AnsweredCurve>,
-    /// Horizontal stiffness under every preload with that friction; nothing without.
+    /// Horizontal stiffness with that friction under the preloads up to the largest load; nothing without friction.
     pub horizontal: Vec<HorizontalPoint>,
     /// Load curve without friction between the surfaces that other programs see: flat facets between the nodes.
     pub faceted: AnsweredCurve,
@@ -231,11 +231,13 @@ impl<'a> Asked<'a> {
         Ok(own.wheel_on_rail(rail, wheel, contact))
     }
 
-    /// The horizontal stiffness of hub against support under the study's preloads.
+    /// The horizontal stiffness of hub against support under the study's preloads, up to the largest load: candidates for contact reach as far.
     fn horizontal(&self, bodies: &Condensed<'_>) -> Result<Vec<HorizontalPoint>> {
         let pair = self.pair(bodies, self.statics.contact.friction)?;
+        let largest = self.loads.last().map_or(0.0, |load| load * (1.0 + 1e-9));
         let preloads = &self.statics.calibration.horizontal_preloads;
-        let found = calibrate_horizontal(&pair, preloads, self.monitor)?;
+        let carried: Vec<f64> = preloads.iter().copied().filter(|preload| *preload <= largest).collect();
+        let found = calibrate_horizontal(&pair, &carried, self.monitor)?;
         found.ended.map_or(Ok(found.points), Err)
     }
 

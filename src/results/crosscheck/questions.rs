@@ -48,8 +48,8 @@ pub fn questions(
                  {curve}."
             ),
             Case::SecondOrder => format!(
-                "Wheel on rail without friction, elements of second order on another mesh with the same contact nodes, \
-                 against the tool's {} on the study's mesh: hub displacement and tangent stiffness under each load{}.",
+                "Wheel on rail without friction, elements of second order on a mesh that is finer at the contact and \
+                 coarser elsewhere, against the tool's {} on the study's mesh: hub displacement and tangent stiffness under each load{}.",
                 answers.element,
                 match answers.horizontal.is_empty() {
                     true => String::new(),
