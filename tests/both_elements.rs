@@ -1,5 +1,6 @@
 //! The contact element that a study has not chosen: it runs beside the other one as if it were chosen, and what becomes of it is no error of the study.
 
+use crate::coarser::coarser;
 use std::path::Path;
 use std::process::Output;
 
@@ -11,13 +12,9 @@ use serde_json::Value;
 /// the wheel has left.
 const HARD_KN: f64 = 8000.0;
 
-/// Bodies of half the degrees of freedom: what is compared are bytes and words.
-const COARSER: &str = "[mesh]\nwheel_section_element_mm = 40\nwheel_arc_element_mm = 300\nrail_length_element_mm = 60\ngrowth = 2.5\n";
-
 /// The coarse study with laws by contact angle, an element, and a load case of a lateral force, kN.
 fn study(element: &str, steps: usize, lateral_kn: f64) -> String {
-    let coarse = include_str!("studies/coarse.toml").replace("shifts_mm = []", "shifts_mm = [0]");
-    let coarse = coarse.replace("[mesh]\n", COARSER);
+    let coarse = coarser().replace("shifts_mm = []", "shifts_mm = [0]");
     let load_case = format!(
         "[scenario.one]\nsteps = {steps}\nsolid = false\nvertical_force = {{ mean_kn = 10 }}\nlateral_force = {{ mean_kn = {lateral_kn} }}\n"
     );

@@ -137,15 +137,18 @@ fn horizontal(checks: &[Check]) -> Vec<&Check> {
     checks.iter().filter(|c| c.quantity == HORIZONTAL_STIFFNESS).collect()
 }
 
-/// Source: the reference's own contact with all points sticking that carry load. Goal: horizontal stiffness under every preload, N/m, with the
-/// default element. Accuracy: that of the hub displacement on 6 mm elements, twice the limit of the default mesh.
+/// Source: the reference's own contact with all points sticking that carry load. Goal: horizontal stiffness under the preloads up to the largest load, N/m, with
+/// the default element. Accuracy: that of the hub displacement on 6 mm elements, twice the limit of the default mesh.
 #[test]
 fn the_horizontal_stiffness_is_the_references() {
     if !railspring_testing::python() {
         return;
     }
     let found = horizontal(right());
-    assert_eq!(found.len(), study().calibration.horizontal_preloads.len());
+    let largest = study().calibration.loads.last().copied().unwrap();
+    let carried =
+        study().calibration.horizontal_preloads.iter().filter(|preload| **preload <= largest).count();
+    assert!(carried > 1 && found.len() == carried, "{found:?}");
     assert!(found.iter().all(|c| 0.0 < c.difference && c.difference < 2.0 * c.limit), "{found:?}");
 }
 

@@ -4,13 +4,11 @@
 //! whether it was taken or made, and makes again exactly what a change has an influence on. Source: runs of the same
 //! study with a store that is empty, equal to the byte; times and host aside.
 
+use crate::coarser::coarser;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, SystemTime};
-
-/// Bodies of half the degrees of freedom: what is compared are bytes.
-const COARSER: &str = "[mesh]\nwheel_section_element_mm = 40\nwheel_arc_element_mm = 300\nrail_length_element_mm = 60\ngrowth = 2.5\n";
 
 /// The coarse study with still coarser bodies and two load cases; the second has no solid run.
 fn study() -> String {
@@ -19,7 +17,7 @@ fn study() -> String {
             "[scenario.{name}]\nsteps = 3\n{more}vertical_force = {{ mean_kn = {force} }}\nlateral_force = {{ mean_kn = 5 }}\n"
         )
     };
-    let coarse = include_str!("studies/coarse.toml").replace("[mesh]\n", COARSER);
+    let coarse = coarser();
     format!("{coarse}\n{}{}", load_case("one", "", 50), load_case("two", "solid = false\n", 40))
 }
 

@@ -6,6 +6,7 @@ mod by_angle;
 mod calculix;
 mod calibration_fields;
 mod cluster;
+mod coarser;
 mod command_line;
 mod compare;
 mod condensed_element;

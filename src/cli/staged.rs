@@ -262,12 +262,8 @@ pub(super) fn done(
             (results, true)
         }
         Action::Crosscheck { second_order, with_calculix, keep } => {
-            const CASES: [Case; 4] = [
-                Case::SameMesh,
-                Case::SameMeshFriction,
-                Case::OtherSurface,
-                Case::SecondOrder,
-            ];
+            const CASES: [Case; 4] =
+                [Case::SameMesh, Case::SameMeshFriction, Case::OtherSurface, Case::SecondOrder];
             let cases = if second_order { &CASES[..] } else { &CASES[..3] };
             let record = pipeline.crosscheck(cases, with_calculix, keep)?;
             (results.with_crosscheck(&record), record.holds)

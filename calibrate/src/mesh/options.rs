@@ -122,11 +122,7 @@ impl MeshOptions {
     /// Sizes of a wheel's section: finer over its disc and on its fillets, whose bending is most of the lateral
     /// flexibility of a wheel.
     pub(crate) fn wheel_sizes(&self) -> SectionSizes {
-        self.sizes(
-            self.wheel_section_element,
-            self.wheel_section_element / WHEEL_SECTION_ELEMENT,
-            [0.2, 0.1],
-        )
+        self.sizes(self.wheel_section_element, self.wheel_section_element / WHEEL_SECTION_ELEMENT, [0.2, 0.1])
     }
 
     /// The `parts` of thickness and radius go along with the elements, by `factor`, up to [`LARGEST_PARTS`].
