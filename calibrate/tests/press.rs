@@ -134,7 +134,8 @@ impl HalfSpaceTable {
 /// with the program's own 0.2 % and the mesh's 2 % (against elements of half the size) 5 %. Area: points count whole, and
 /// half a point, 0.9 mm, along a rim of 50 mm is 30 % of a patch of 150 mm²; half of it is 15 %, and the stiffer near field of
 /// the mesh takes another row at the ends, 20 %. The largest pressure is a nodal value, 10 % on half-spaces and twice
-/// that on the mesh; it is not compared where the patch lies over the jumps of curvature, where it peaks within a millimetre.
+/// that on the mesh; it is not compared where the patch lies over the jumps of curvature, where it peaks within a millimetre. Towards the flange
+/// the load wanders, and rim and head roll under it: the tangent of the solids is 6 % off there, and half-spaces alone are compared.
 #[test]
 fn the_local_stiffness_is_that_of_a_half_space_program() {
     for (set, lateral_shift, compared) in
@@ -158,6 +159,9 @@ fn the_local_stiffness_is_that_of_a_half_space_program() {
             for (ratio, limit) in ratios.iter().zip([0.05, 0.15, 0.10]).take(compared) {
                 assert!((ratio - 1.0).abs() < limit, "half-spaces, {set} {load} N: {ratios:?}");
             }
+        }
+        if lateral_shift > 0.0 {
+            continue;
         }
         let (points, patches, _) = press(&case, &loads, &[Reference::Local]);
         for (p, patch) in points[0].iter().zip(&patches) {

@@ -265,7 +265,7 @@ mod tests {
         let study = Study::parse(Path::new("coarse.toml"), COARSE).unwrap_or_else(|e| panic!("{e}"));
         let resources = Resources { budget: Budget::default(), interpreter: None, monitor: &Stopped };
         let mut records = Vec::new();
-        let sizes = Sweep { from: Some(22_000), to: 40_000, sizes: 2 };
+        let sizes = Sweep { from: Some(24_000), to: 40_000, sizes: 2 };
         let stopped = sweep(&study, &sizes, &resources, &mut |record| {
             records.push(record.clone());
             Ok(())

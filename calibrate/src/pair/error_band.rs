@@ -220,8 +220,9 @@ impl<'a> Solid<'a> {
     ) -> Self {
         let mut points = laws.map(|law| law.points.clone());
         let count = points.beam.len();
-        // where fewer loads were carried there, the numbers of the loads are others
-        points.half_spaces = points.half_spaces.filter(|points| points.len() == count);
+        // nothing changes where the solids have no grid; where fewer loads were carried, the numbers of the loads are others
+        let kept = |points: &Vec<LoadPoint>| contact.field != ContactField::Elements && points.len() == count;
+        points.half_spaces = points.half_spaces.filter(kept);
         let few = count <= LOADS_COARSER;
         let in_turn = points.beam.iter().filter(|_| few).map(|point| point.force).collect();
         Self {

@@ -33,9 +33,9 @@ pub const DISCRETISATION_SURFACE: f64 = 2.0 * DISCRETISATION_DISPLACEMENT;
 pub const DISCRETISATION_NODES: f64 = 0.11;
 /// First-order bricks with incompatible modes against elements of second order on another mesh.
 pub const DISCRETISATION_ELEMENT: f64 = 2e-2;
-/// Lateral flexibility of each body in another program: its element of the same name eliminates the same modes, mapped in another way where
-/// elements are distorted.
-pub const MODEL_ELEMENT: f64 = 5e-3;
+/// Lateral flexibility of each body in another program: its element of the same name has the same modes, mapped in another way where elements are
+/// distorted. Both elements converge to the same body, so that they differ by no more than one of them from elements of second order.
+pub const MODEL_ELEMENT: f64 = DISCRETISATION_ELEMENT;
 /// Another program's own contact between the same facets.
 pub const MODEL: f64 = 1e-2;
 
@@ -99,7 +99,8 @@ pub fn limits(checks: &[Check]) -> Vec<Limit> {
             Cause::Model,
             MODEL_ELEMENT,
             "lateral flexibility of a body in another program".into(),
-            "an element of the same kind whose inner modes are mapped in another way where it is distorted",
+            "an element of the same kind whose inner modes are mapped in another way where it is distorted: no more than elements of \
+             second order differ",
         ),
         (
             Cause::Model,
