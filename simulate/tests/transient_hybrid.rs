@@ -21,8 +21,14 @@ fn pair() -> Pair {
 }
 
 fn meshes(pair: &Pair, element: f64) -> PairMeshes {
-    let options =
-        MeshOptions { contact_element: element, contact_element_along: element, ..MeshOptions::default() };
+    let options = MeshOptions {
+        contact_element: element,
+        contact_element_along: element,
+        wheel_section_element: 20e-3,
+        wheel_arc_element: 120e-3,
+        rail_length_element: 40e-3,
+        ..MeshOptions::default()
+    };
     pair.mesh(0.555, &options).unwrap()
 }
 
