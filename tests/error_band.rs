@@ -67,7 +67,7 @@ fn the_calibration_says_what_its_law_is_worth() {
         let largest = of.points.iter().map(|p| p.tangent.unwrap()).fold(0.0, f64::max);
         assert_eq!(of.tangent.unwrap(), largest);
         // elements of 6 and 12 mm differ, but not by more than the law is good for
-        assert!((1e-5..0.3).contains(&of.displacement.unwrap()) && largest < 0.3, "{of:?}");
+        assert!((1e-4..0.3).contains(&of.displacement.unwrap()) && largest < 0.3, "{of:?}");
     }
     let horizontal = record.horizontal.as_ref().unwrap();
     let of = horizontal.error_band.as_ref().unwrap();

@@ -99,7 +99,7 @@ fn the_references_own_tests_pass() {
     needs(Need::Solver, "MKL Pardiso", count.is_none());
 }
 
-/// Source: scikit-fem on the same mesh, with inner modes of its own. Goal: displacements of both bodies under the
+/// Source: scikit-fem on the same mesh, its incompatible modes programmed there. Goal: displacements of both bodies under the
 /// contact forces, and compliance columns, m and m/N. Accuracy: rounding (1e-9 relative).
 #[test]
 fn the_same_mesh_and_element_agree_to_rounding() {

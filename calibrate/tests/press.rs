@@ -135,7 +135,7 @@ impl HalfSpaceTable {
 /// half a point, 0.9 mm, along a rim of 50 mm is 30 % of a patch of 150 mm²; half of it is 15 %, and the stiffer near field of
 /// the mesh takes another row at the ends, 20 %. The largest pressure is a nodal value, 10 % on half-spaces and twice
 /// that on the mesh; it is not compared where the patch lies over the jumps of curvature, where it peaks within a millimetre. Towards the flange
-/// the load wanders, and rim and head roll under it: the tangent of the solids is 6 % off there, and half-spaces alone are compared.
+/// the load wanders, and rim and head roll under it: the tangent of the solids is 6 % off there, and that of half-spaces alone is compared.
 #[test]
 fn the_local_stiffness_is_that_of_a_half_space_program() {
     for (set, lateral_shift, compared) in
@@ -160,14 +160,13 @@ fn the_local_stiffness_is_that_of_a_half_space_program() {
                 assert!((ratio - 1.0).abs() < limit, "half-spaces, {set} {load} N: {ratios:?}");
             }
         }
-        if lateral_shift > 0.0 {
-            continue;
-        }
+        let rolls = lateral_shift > 0.0;
         let (points, patches, _) = press(&case, &loads, &[Reference::Local]);
         for (p, patch) in points[0].iter().zip(&patches) {
             let ratios = table.ratios(p.force, [p.solid_tangent, patch.area, patch.max_pressure]);
             println!("{set} {:.0} kN, solids: tangent, area, largest pressure {ratios:.3?}", p.force * 1e-3);
-            for (ratio, limit) in ratios.iter().zip([0.05, 0.20, 0.20]).take(compared) {
+            let of_solids = ratios.iter().zip([0.05, 0.20, 0.20]).take(compared).skip(usize::from(rolls));
+            for (ratio, limit) in of_solids {
                 assert!((ratio - 1.0).abs() < limit, "solids, {set} {} N: {ratios:?}", p.force);
             }
         }

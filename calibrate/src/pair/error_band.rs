@@ -198,6 +198,9 @@ pub struct Solid<'a> {
     pub replicates: Vec<Pair>,
 }
 
+/// A wheel on a rail, and its states under loads.
+type Placed<'a> = (WheelOnRail<'a>, Vec<Pressed>);
+
 /// How far a solid changes; a part that has not come to an answer says why.
 #[derive(Debug, Clone)]
 pub struct Changed {
@@ -295,32 +298,24 @@ impl<'a> Solid<'a> {
         if self.contact.field == ContactField::Elements {
             return Ok(None);
         }
-        let (from, to) = rayon::join(
-            || self.on_both_grids(Reference::Beam, Self::points_of, monitor),
-            || {
-                let pressed = |_: &Vec<LoadPoint>| {
-                    let points = |_: &Self, placed: &WheelOnRail, states: &[Pressed]| {
-                        load_points(placed, states, Reference::HalfSpaces)
-                    };
-                    self.on_both_grids(Reference::HalfSpaces, points, monitor)
-                };
-                self.points.half_spaces.as_ref().map(pressed).transpose()
-            },
+        let (solids, half_spaces) = rayon::join(
+            || self.on_both_grids(Reference::Beam, monitor),
+            || self.beside_solids(|| self.on_both_grids(Reference::HalfSpaces, monitor)),
         );
-        let ([mut from, mut to], half_spaces) = (from?, to?);
-        if let Some([on_grid, on_halved]) = half_spaces {
-            (from.half_spaces, to.half_spaces) = (Some(on_grid), Some(on_halved));
-        }
+        let ([on_grid, on_halved], [half_spaces, half_spaces_halved]) =
+            (solids?, half_spaces?.map_or([None, None], |both| both.map(Some)));
+        let from = self.points_of(&on_grid, half_spaces.as_ref())?;
+        let to = self.points_of(&on_halved, half_spaces_halved.as_ref())?;
         Ok(Some(changes(&self.points, &self.halved, &from, &to)))
     }
 
-    /// What the `halved` loads come to without friction, on the grid and on one of half its spacing.
-    fn on_both_grids<T>(
-        &self,
-        reference: Reference,
-        points: impl Fn(&Self, &WheelOnRail, &[Pressed]) -> Result<T>,
-        monitor: &dyn Monitor,
-    ) -> Result<[T; 2]> {
+    /// What is `pressed` on half-spaces, where there is a law on them.
+    fn beside_solids<T>(&self, pressed: impl Fn() -> Result<T>) -> Result<Option<T>> {
+        self.points.half_spaces.as_ref().map(|_| pressed()).transpose()
+    }
+
+    /// The `halved` loads without friction, on the grid and on one of half its spacing.
+    fn on_both_grids(&self, reference: Reference, monitor: &dyn Monitor) -> Result<[Placed<'_>; 2]> {
         let (loads, stage) = (self.forces(&self.halved), "error of the grid");
         let on = |field| {
             let contact = ContactConditions { field, friction: 0.0, ..self.contact };
@@ -335,7 +330,7 @@ impl<'a> Solid<'a> {
             halved.push(on_halved.press(state.load, Some(state)).map_err(|error| error.at_step(i + 1))?);
         }
         monitor.progress(stage, loads.len(), loads.len())?;
-        Ok([points(self, &on_grid, &states)?, points(self, &on_halved, &halved)?])
+        Ok([(on_grid, states), (on_halved, halved)])
     }
 
     /// Changes to `coarser` meshes, with friction, which has the same history of loads on both.
@@ -385,15 +380,13 @@ impl<'a> Solid<'a> {
         let loads = self.forces(&self.coarser);
         let contact = ContactConditions { friction: 0.0, ..self.contact };
         let points = |pair: &Pair| -> Result<SolidPoints> {
-            let placed = self.placed(pair, self.bodies, Reference::Beam, contact)?;
-            let states = press_loads_apart(&placed, &loads, "error by scatter", monitor)?;
-            let mut found = self.points_of(&placed, &states)?;
-            if self.points.half_spaces.is_some() {
-                let placed = self.placed(pair, self.bodies, Reference::HalfSpaces, contact)?;
+            let pressed = |reference| {
+                let placed = self.placed(pair, self.bodies, reference, contact)?;
                 let states = press_loads_apart(&placed, &loads, "error by scatter", monitor)?;
-                found.half_spaces = Some(load_points(&placed, &states, Reference::HalfSpaces)?);
-            }
-            Ok(found)
+                Ok((placed, states))
+            };
+            let half_spaces = self.beside_solids(|| pressed(Reference::HalfSpaces))?;
+            self.points_of(&pressed(Reference::Beam)?, half_spaces.as_ref())
         };
         let from = points(self.pair)?;
         let of: Vec<Changes> = replicates
@@ -425,11 +418,17 @@ impl<'a> Solid<'a> {
     }
 
     /// Displacement and tangent of states without friction and with the section held: against the foot they change as against the section.
-    fn points_of(&self, placed: &WheelOnRail, states: &[Pressed]) -> Result<SolidPoints> {
+    fn points_of(
+        &self,
+        (placed, states): &Placed<'_>,
+        half_spaces: Option<&Placed<'_>>,
+    ) -> Result<SolidPoints> {
         let beam = load_points(placed, states, Reference::Beam)?;
         let local = load_points(placed, states, Reference::Local)?;
         let foot = self.points.foot.as_ref().map(|_| beam.clone());
-        Ok(SolidPoints { foot, beam, local, half_spaces: None })
+        let of = |(placed, states): &Placed<'_>| load_points(placed, states, Reference::HalfSpaces);
+        let half_spaces = half_spaces.map(of).transpose()?;
+        Ok(SolidPoints { foot, beam, local, half_spaces })
     }
 
     fn placed<'b>(
