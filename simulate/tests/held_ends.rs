@@ -59,7 +59,7 @@ fn track() -> Track {
     let places: Vec<PlaceApproaches> = laws.iter().filter_map(PlaceApproaches::of).collect();
     let beam = pair.beam(&steel, LENGTH, 20).unwrap();
     let parts = ElementBodies::new(&pair, &bodies, LENGTH).unwrap();
-    let element = fitted_element(&parts, (&beam, [&steel; 2]), places, contact().friction).unwrap();
+    let element = fitted_element(parts, (&beam, [&steel; 2]), places, contact().friction).unwrap();
     let correction = SeriesBeam::new(&pair, &bodies, &beam).unwrap().correction;
     Track { pair, options, bodies, element, correction }
 }

@@ -16,6 +16,7 @@ mod head;
 mod model;
 mod step;
 mod statics;
+mod lacking;
 mod fitted;
 mod run;
 mod advance;

@@ -70,7 +70,7 @@ pub fn by_angle(
         let places: Vec<PlaceApproaches> = laws.iter().filter_map(PlaceApproaches::of).collect();
         let beam = (&geometry.beam, statics.materials());
         fitted_element(
-            &ElementBodies::new(pair, bodies, geometry.beam.length())?,
+            ElementBodies::new(pair, bodies, geometry.beam.length())?,
             beam,
             places,
             statics.contact.friction,

@@ -93,6 +93,15 @@ impl<'a> ElementBodies<'a> {
         Ok(Self { pair, modulus, wheel, rim, head, held_end })
     }
 
+    /// Changes the flexibility of the head by `more` in the middle of the rail, and near a held end in proportion to how far the head moves there across the track.
+    pub(super) fn change_head(&mut self, more: &Matrix3<f64>) {
+        let middle = self.held_end.places.last().map_or(1.0, |place| place.flexibility[(0, 0)]);
+        self.head.flexibility += more;
+        for place in &mut self.held_end.places {
+            place.flexibility += more * (place.flexibility[(0, 0)] / middle);
+        }
+    }
+
     /// The pair.
     pub fn pair(&self) -> &Pair {
         self.pair
