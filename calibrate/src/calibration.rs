@@ -202,6 +202,19 @@ impl WheelOnRail<'_> {
     pub fn press_one_of(&self, load: f64, before: Option<&Pressed>, largest: f64) -> Result<Pressed> {
         too_steep(before, load, largest).map_or_else(|| self.press(load, before), Err)
     }
+
+    /// The same, iterated from that of the `known` states whose load is nearest.
+    fn press_one_near(
+        &self,
+        load: f64,
+        before: Option<&Pressed>,
+        known: &[Pressed],
+        largest: f64,
+    ) -> Result<Pressed> {
+        let apart = |state: &Pressed| (load / state.load).ln().abs();
+        let near = known.iter().chain(before).min_by(|a, b| apart(a).total_cmp(&apart(b)));
+        too_steep(before, load, largest).map_or_else(|| self.press_from(load, before, near), Err)
+    }
 }
 
 /// Why a load is not put on: after the state `before`, the normal force would be too large for loads up to the `largest`.
@@ -440,13 +453,14 @@ fn half_spaces(wheel_on_rail: &WheelOnRail, state: &Pressed, forces: &[f64]) -> 
 
 /// Horizontal stiffness at every preload, all points sticking, and its mean, against what the rail's compliance
 /// is measured against. Where the contact of a preload (N, ascending) reaches the end of the contact zone, the points end with the preload
-/// before, if there is one.
+/// before, if there is one. States of the same wheel and rail that are `known` give starts.
 ///
 /// # Errors
 /// Errors of [`WheelOnRail::press`].
 pub fn calibrate_horizontal(
     wheel_on_rail: &WheelOnRail,
     preloads: &[f64],
+    known: &[Pressed],
     monitor: &dyn Monitor,
 ) -> Result<HorizontalCalibration> {
     let mut points = Vec::new();
@@ -455,7 +469,7 @@ pub fn calibrate_horizontal(
     let largest = preloads.last().copied().unwrap_or(0.0);
     for (i, &preload) in preloads.iter().enumerate() {
         monitor.progress("horizontal stiffness", i, preloads.len())?;
-        let state = match wheel_on_rail.press_one_of(preload, before.as_ref(), largest) {
+        let state = match wheel_on_rail.press_one_near(preload, before.as_ref(), known, largest) {
             Err(Error::Numerics(end)) if before.is_some() && ends_the_loads(end.reason) => {
                 ended = Some(end.into());
                 break;

@@ -29,6 +29,7 @@ mod gmres;
 mod iterative;
 mod newton;
 mod conjugate_gradients;
+mod preconditioned;
 mod start;
 mod sweeps;
 mod solver;

@@ -92,7 +92,7 @@ fn press(
         .iter()
         .map(|&reference| calibrate_normal(&pair, &states, reference).unwrap().points)
         .collect();
-    let horizontal = calibrate_horizontal(&pair, &loads[..1], &Silent).unwrap();
+    let horizontal = calibrate_horizontal(&pair, &loads[..1], &[], &Silent).unwrap();
     let patches = states.iter().map(|state| pair.patch(state).unwrap().values).collect();
     (points, patches, horizontal.stiffness)
 }

@@ -90,7 +90,7 @@ fn found(length: f64, loads: &[f64]) -> Found {
     let on_section = wheel_on(&relative);
     let states = press_loads(&on_section, loads, "press", &Silent).unwrap();
     let points = |reference| load_points(&on_section, &states, reference).unwrap();
-    let horizontal = calibrate_horizontal(&on_section, &[20e3, 85e3], &Silent).unwrap();
+    let horizontal = calibrate_horizontal(&on_section, &[20e3, 85e3], &[], &Silent).unwrap();
     let state = &states[3];
     let flexibility = |pair: &WheelOnRail| -> Matrix2<f64> {
         let compliance = pair.compliance(&state.points, 3);

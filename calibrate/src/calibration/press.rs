@@ -89,12 +89,24 @@ impl WheelOnRail<'_> {
     /// # Errors
     /// Those of [`Self::press`].
     pub fn press_from_afar(&self, load: f64, before: Option<&Pressed>) -> Result<Pressed> {
-        match before.and_then(|before| self.near(load, before)) {
+        let near = before.and_then(|before| self.near(load, before));
+        self.press_from(load, before, near.as_ref())
+    }
+
+    /// As [`Self::press`], iterated from the state `near` if there is one.
+    ///
+    /// # Errors
+    /// Those of [`Self::press`].
+    pub(super) fn press_from(
+        &self,
+        load: f64,
+        before: Option<&Pressed>,
+        near: Option<&Pressed>,
+    ) -> Result<Pressed> {
+        match near.filter(|_| load > 0.0).map(|near| self.settle(load, before, Some(near))) {
             None => self.press(load, before),
-            Some(near) => match self.settle(load, before, Some(&near)) {
-                Err(error) if unsettled(&error) => self.press(load, before),
-                done => done,
-            },
+            Some(Err(error)) if unsettled(&error) => self.press(load, before),
+            Some(done) => done,
         }
     }
 

@@ -12,6 +12,7 @@ use super::conjugate_gradients::conjugate_gradients;
 use super::dense::{DenseFactor, is_worth_it};
 use super::iterative::{Factors, Linearised};
 use super::newton::{newton, slip_rows};
+use super::preconditioned::preconditioned;
 use super::start::{ALL_THE_WAY, NEAR, approach, suits};
 use super::state::State;
 use super::sweeps::sweep;
@@ -55,7 +56,8 @@ const HELD: f64 = 1e-6;
 /// [`railspring_profiles::error::NumericsError`] as [`solve`].
 pub fn solve_held(problem: &Problem, start: &[f64]) -> Result<Vec<f64>> {
     let mut state = State::new(problem, start);
-    let steps = conjugate_gradients(&mut state, HELD);
+    let steps = preconditioned(&mut state, HELD);
+    let steps = steps.unwrap_or_else(|| conjugate_gradients(&mut state, HELD));
     state.update_separation();
     let residual = state.residual().relative;
     // a number that is none is no small residual
@@ -286,7 +288,7 @@ mod tests {
 
     /// Source: Hertz (K.L. Johnson, Contact Mechanics, 1985, section 4.2); Newton's iteration. Goal: conjugate gradients come to the forces, N,
     /// and the approach, m, of a round contact from nothing, from a force on one point, and from a uniform one, whether the hub is free
-    /// or held. Accuracy: SOLVER against Newton; DISCRETISATION of the approach on fifteen cells to the radius, 0.3 %.
+    /// or held; with the inverse of the half-spaces they take fewer steps. Accuracy: SOLVER against Newton; DISCRETISATION of the approach on fifteen cells to the radius, 0.3 %.
     #[test]
     fn conjugate_gradients_are_newton_and_hertz() {
         const DISCRETISATION: f64 = 0.003;
@@ -314,8 +316,12 @@ mod tests {
             let lowered: Vec<f64> = free.iter().map(|gap| gap - exact.hub[0]).collect();
             let held = Problem { free: &lowered, hub: &[], ..problem };
             let mut state = State::new(&held, &start);
-            conjugate_gradients(&mut state, 1e-11);
+            let steps = conjugate_gradients(&mut state, 1e-11);
             assert!(largest_difference(&state.forces, &exact.forces) < SOLVER);
+            let mut state = State::new(&held, &start);
+            let fewer = preconditioned(&mut state, 1e-11).unwrap();
+            assert!(largest_difference(&state.forces, &exact.forces) < SOLVER);
+            assert!(fewer < steps, "{fewer} {steps}");
         }
     }
 

@@ -394,7 +394,7 @@ impl PressedPair<'_> {
         preloads: &[f64],
         monitor: &dyn Monitor,
     ) -> Result<HorizontalCalibration> {
-        calibrate_horizontal(&self.wheel_on_rail(reference)?, preloads, monitor)
+        calibrate_horizontal(&self.wheel_on_rail(reference)?, preloads, self.states(reference)?, monitor)
     }
 
     fn wheel_on_rail(&self, reference: Reference) -> Result<WheelOnRail<'_>> {

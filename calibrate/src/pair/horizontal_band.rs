@@ -23,7 +23,7 @@ pub fn horizontal_changes(
 ) -> Result<Vec<f64>> {
     let preloads: Vec<f64> = points.iter().map(|point| point.preload).collect();
     let placed = coarser.wheel_on_rail(pair, reference, contact)?;
-    let found = calibrate_horizontal(&placed, &preloads, monitor)?;
+    let found = calibrate_horizontal(&placed, &preloads, &[], monitor)?;
     match found.ended {
         Some(reason) => Err(reason),
         None => Ok(found

@@ -237,7 +237,7 @@ impl<'a> Asked<'a> {
         let largest = self.loads.last().map_or(0.0, |load| load * (1.0 + 1e-9));
         let preloads = &self.statics.calibration.horizontal_preloads;
         let carried: Vec<f64> = preloads.iter().copied().filter(|preload| *preload <= largest).collect();
-        let found = calibrate_horizontal(&pair, &carried, self.monitor)?;
+        let found = calibrate_horizontal(&pair, &carried, &[], self.monitor)?;
         found.ended.map_or(Ok(found.points), Err)
     }
 
