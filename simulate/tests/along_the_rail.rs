@@ -73,7 +73,7 @@ fn element(pair: &Pair, rail: CondensedBody, wheel: CondensedBody) -> (PairEleme
     let places: Vec<PlaceApproaches> = laws.iter().filter_map(PlaceApproaches::of).collect();
     let beam = pair.beam(&steel(), LENGTH, 20).unwrap();
     let parts = ElementBodies::new(pair, &bodies, LENGTH).unwrap();
-    let element = fitted_element(parts, (&beam, [&steel(); 2]), places, CONTACT.friction).unwrap();
+    let element = fitted_element(&parts, (&beam, [&steel(); 2]), places, CONTACT.friction).unwrap();
     let correction = SeriesBeam::new(pair, &bodies, &beam).unwrap().correction;
     (element, beam.corrected(&correction).unwrap())
 }

@@ -21,7 +21,7 @@ mod fitted;
 mod run;
 mod advance;
 
-pub use fitted::fitted_element;
+pub use fitted::{fitted_element, fitted_lumped};
 pub use model::CondensedModel;
 
 #[cfg(test)]

@@ -1,8 +1,10 @@
-//! The contact element whose hub gives way as that of the solids.
+//! The contact elements whose hub gives way as that of the solids.
 
 use nalgebra::Matrix2;
 
-use crate::element::condensed::parts::{ElementBodies, PairElement, PlaceApproaches, StickingHub};
+use crate::element::condensed::parts::{
+    ElementBodies, LumpedElement, PairElement, PlaceApproaches, StickingHub,
+};
 use railspring_calibrate::beam::RailBeam;
 use railspring_calibrate::pair::Pair;
 use railspring_calibrate::solid::Material;
@@ -20,21 +22,47 @@ const ROUNDS: usize = 2;
 /// # Errors
 /// Those of [`ElementBodies::element`].
 pub fn fitted_element(
-    mut bodies: ElementBodies,
+    bodies: &ElementBodies,
+    rail: (&RailBeam, [&Material; 2]),
+    laws: Vec<PlaceApproaches>,
+    friction: f64,
+) -> Result<PairElement> {
+    fitted(bodies, rail, laws, friction, ElementBodies::element, PairElement::clone)
+}
+
+/// The lumped element of the same.
+///
+/// # Errors
+/// Those of [`ElementBodies::lumped`].
+pub fn fitted_lumped(
+    bodies: &ElementBodies,
+    rail: (&RailBeam, [&Material; 2]),
+    laws: Vec<PlaceApproaches>,
+    friction: f64,
+) -> Result<LumpedElement> {
+    fitted(bodies, rail, laws, friction, ElementBodies::lumped, |element| element.into())
+}
+
+/// The element that `make` has of bodies and laws and that runs as `parts` say, with what its hub is off taken up.
+fn fitted<'a, E>(
+    bodies: &ElementBodies<'a>,
     (beam, materials): (&RailBeam, [&Material; 2]),
     mut laws: Vec<PlaceApproaches>,
     friction: f64,
-) -> Result<PairElement> {
-    let pressed = |element: &PairElement, pair: &Pair, law: &PlaceApproaches| {
-        let model = CondensedModel::of_pair(pair, beam.clone(), materials, element.clone());
+    make: impl Fn(&ElementBodies<'a>, &[PlaceApproaches]) -> Result<E>,
+    parts: impl Fn(&E) -> PairElement,
+) -> Result<E> {
+    let pressed = |element: &E, pair: &Pair, law: &PlaceApproaches| {
+        let model = CondensedModel::of_pair(pair, beam.clone(), materials, parts(element));
         let hub = |at: &StickingHub| {
             model.pressed(law.along, at.load.force, friction).ok().map(|hub| hub.flexibility)
         };
         law.sticking.iter().map(hub).collect::<Vec<Option<Matrix2<f64>>>>()
     };
+    let mut bodies = bodies.clone();
     let pairs = laws.iter().map(|law| bodies.pair().with_wheel_at(law.tape_y));
     let pairs = pairs.collect::<Result<Vec<Pair>>>()?;
-    let element = bodies.element(&laws)?;
+    let element = make(&bodies, &laws)?;
     let mut hubs = Vec::new();
     for (law, pair) in laws.iter().zip(&pairs) {
         let arm = pair.touch.point - pair.node_line();
@@ -44,13 +72,13 @@ pub fn fitted_element(
     }
     let more = missing_in_head(&hubs);
     bodies.change_head(&more);
-    let mut element = bodies.element(&laws)?;
+    let mut element = make(&bodies, &laws)?;
     for _ in 0..ROUNDS {
         for (law, pair) in laws.iter_mut().zip(&pairs) {
             let found = pressed(&element, pair, law);
             law.take_up(&found);
         }
-        element = bodies.element(&laws)?;
+        element = make(&bodies, &laws)?;
     }
     Ok(element)
 }

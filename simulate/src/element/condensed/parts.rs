@@ -11,10 +11,12 @@ mod law;
 mod hertz;
 mod places;
 mod fit;
+mod lumped;
 
-pub use fit::{Sections, fit_strips};
+pub use fit::{Sections, StripForm, fit_strips};
 pub use held_end::{EndPlace, HeldEnd, in_world};
 pub use law::{StripPlace, StripStiffness};
+pub use lumped::{Bushing, Hub, LumpedElement, LumpedSet, Oscillator};
 pub use modulus::{StripLaw, StripModulus};
 pub use overlap::{Pose, Profiles};
 pub use places::{PlaceApproaches, PlaceLoad, StickingHub};
@@ -45,6 +47,7 @@ pub struct PairElement {
 }
 
 /// What the contact element of a pair has of its bodies, from which elements are made with one set of laws after another.
+#[derive(Clone)]
 pub struct ElementBodies<'a> {
     pair: &'a Pair,
     /// Contact modulus of both running surfaces, Pa.
@@ -113,7 +116,7 @@ impl<'a> ElementBodies<'a> {
     /// [`InputError`] for laws without a place.
     pub fn element(&self, laws: &[PlaceApproaches]) -> Result<PairElement> {
         let Self { pair, modulus, wheel, rim, head, held_end } = self;
-        let strips = fit_strips(pair, *modulus, laws, &Sections { rim, head })?;
+        let strips = fit_strips(pair, *modulus, laws, &Sections { rim, head }, StripForm::Relieved)?;
         Ok(PairElement {
             wheel: wheel.clone(),
             held_end: Some(held_end.clone()),
@@ -122,11 +125,44 @@ impl<'a> ElementBodies<'a> {
             misfit: [rim.misfit, head.misfit],
         })
     }
+
+    /// The lumped element with laws by contact angle.
+    ///
+    /// # Errors
+    /// [`InputError`] for laws without a place.
+    pub fn lumped(&self, laws: &[PlaceApproaches]) -> Result<LumpedElement> {
+        let Self { pair, modulus, wheel, rim, head, held_end } = self;
+        let arm = Point2::from(pair.tape()) - pair.node_line();
+        let of_head = HeadOfElement { on_section: head.flexibility, held_end: Some(held_end) };
+        let set = LumpedSet::new(wheel, &of_head, arm);
+        let misfit = [rim.misfit, head.misfit];
+        let of_rim = SectionFlexibility { flexibility: set.wheel().rim_flexibility(), misfit: rim.misfit };
+        let of_head = SectionFlexibility { flexibility: set.on_section.flexibility(), misfit: head.misfit };
+        let sections = Sections { rim: &of_rim, head: &of_head };
+        let strips = fit_strips(pair, *modulus, laws, &sections, StripForm::Winkler)?;
+        Ok(LumpedElement { set, strips, misfit })
+    }
+}
+
+/// The head of a condensed element.
+#[derive(Debug, Clone, Copy)]
+pub struct HeadOfElement<'a> {
+    /// Flexibility against its section, as [`PairElement::head`].
+    pub on_section: Matrix3<f64>,
+    /// What becomes of it near a held end.
+    pub held_end: Option<&'a HeldEnd>,
+}
+
+impl HeadOfElement<'_> {
+    /// Flexibility on its rail far from its ends, as it was found.
+    fn on_rail(&self) -> Matrix3<f64> {
+        let of_rail = self.held_end.and_then(|end| end.places.last());
+        of_rail.map_or(self.on_section, |place| place.flexibility)
+    }
 }
 
 impl PairElement {
-    /// Flexibility of the head on its rail far from its ends, as [`Self::head`]. A solid rail's section under a contact does not move quite as a beam's, so that it is another one than against the
-    /// section.
+    /// Flexibility of the head on its rail far from its ends, as [`Self::head`].
     pub fn head_on_rail(&self) -> Matrix3<f64> {
         let of_rail = self.held_end.as_ref().and_then(|end| end.places.last());
         of_rail.map_or(self.head, |place| positive(place.flexibility))

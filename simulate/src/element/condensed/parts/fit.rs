@@ -1,6 +1,6 @@
 //! Fits the strips of a pair to its laws by contact angle.
 
-use super::hertz::hertz_table;
+use super::hertz::{hertz_table, winkler_table};
 use super::law::{StripPlace, StripStiffness};
 use super::modulus::StripModulus;
 use super::overlap::{Pose, Profiles};
@@ -44,6 +44,15 @@ const HARDENING: [f64; 2] = [-0.8, 4.0];
 /// Tangential over normal stiffness that a contact can have: the integrals of Mindlin for ellipses stay well within.
 const PLAUSIBLE: std::ops::RangeInclusive<f64> = 0.4..=1.5;
 
+/// What strips are like.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StripForm {
+    /// Their loads take off penetrations, and they get stiffer with their own.
+    Relieved,
+    /// Those of a Winkler foundation: each has a force in proportion to its penetration, whatever the others have.
+    Winkler,
+}
+
 /// Rim and head, between which the strips are.
 #[derive(Clone, Copy)]
 pub struct Sections<'a> {
@@ -83,7 +92,7 @@ struct Knot {
     tangential: f64,
 }
 
-/// Fits the strips of a pair to its laws by contact angle: at every place and load the force that belongs to the approach of the
+/// Fits the strips of a pair, of a form, to its laws by contact angle: at every place and load the force that belongs to the approach of the
 /// surfaces and to what the sections lack. Their rotation under the load turns the profiles against each other. `modulus` is the
 /// contact modulus of both bodies, Pa.
 ///
@@ -94,8 +103,12 @@ pub fn fit_strips(
     modulus: f64,
     laws: &[PlaceApproaches],
     sections: &Sections,
+    form: StripForm,
 ) -> Result<StripStiffness> {
-    let hertz = hertz_table(pair, modulus);
+    let hertz = match form {
+        StripForm::Relieved => hertz_table(pair, modulus),
+        StripForm::Winkler => winkler_table(pair, modulus),
+    };
     let mut pressed = Vec::new();
     for law in laws {
         let place = pair.with_wheel_at(law.tape_y)?;
@@ -128,7 +141,7 @@ pub fn fit_strips(
         tangential: 1.0,
     };
     let knots = (0..=parts as usize).map(knot).collect();
-    let mut fit = Fit { hertz, knots, sections: *sections };
+    let mut fit = Fit { hertz, knots, sections: *sections, hardens: form == StripForm::Relieved };
     fit.normal(&pressed);
     fit.tangential(&pressed);
     let mut found = fit.table();
@@ -146,6 +159,8 @@ struct Fit<'a> {
     hertz: StripStiffness,
     knots: Vec<Knot>,
     sections: Sections<'a>,
+    /// Whether strips may get stiffer with their penetration.
+    hardens: bool,
 }
 
 impl Fit<'_> {
@@ -207,9 +222,10 @@ impl Fit<'_> {
         (self.knots.windows(2).flat_map(change).collect(), self.knots.iter().map(own).collect())
     }
 
-    /// Least squares of the displacements by the stiffness and the hardening at all places: Gauss's and Newton's steps, shortened until they lead down.
+    /// Least squares of the displacements by the stiffness at all places, and by the hardening if there may be one: Gauss's and Newton's steps, shortened until they lead down.
     fn normal(&mut self, pressed: &[Pressed]) {
         let count = self.knots.len();
+        let unknowns = if self.hardens { 2 * count } else { count };
         let value = |knots: &mut [Knot], n: usize, by: f64| {
             let knot = &mut knots[n % count];
             *if n < count { &mut knot.ratio } else { &mut knot.hardening } += by;
@@ -220,8 +236,8 @@ impl Fit<'_> {
         let mut all = self.all_off(pressed);
         for _ in 0..ROUNDS {
             let off = vector(&all);
-            let mut slopes = DMatrix::zeros(off.len(), 2 * count);
-            for n in 0..2 * count {
+            let mut slopes = DMatrix::zeros(off.len(), unknowns);
+            for n in 0..unknowns {
                 value(&mut self.knots, n, SMALL);
                 let strips = self.table();
                 let rail_s = self.knots[n % count].rail_s;
@@ -240,7 +256,7 @@ impl Fit<'_> {
             let before = self.knots.clone();
             let mut share = 1.0;
             loop {
-                for n in 0..2 * count {
+                for n in 0..unknowns {
                     value(&mut self.knots, n, -share * step[n]);
                 }
                 let [least, most] = HARDENING;
@@ -418,9 +434,9 @@ mod tests {
         Material::STEEL.contact_modulus(&Material::STEEL)
     }
 
-    /// Source: the strips of Hertz's contact times a factor. Goal: approaches that these strips make give them back: the normal stiffness at
+    /// Source: the strips of Hertz's contact, or of a Winkler foundation that is as stiff, times a factor. Goal: approaches that these strips make give them back: the normal stiffness at
     /// every place of the rail between those of the laws, no hardening, and the tangential stiffness that the flexibility across the normal leaves; approaches of
-    /// strips with a hardening are met as well. Accuracy: SOLVER, least squares without a rest; with a hardening, which costs something,
+    /// strips with a hardening are met as well, but by a foundation, which has none. Accuracy: SOLVER, least squares without a rest; with a hardening, which costs something,
     /// forces within a hundredth.
     #[test]
     fn strips_are_found_from_their_approaches() {
@@ -432,8 +448,16 @@ mod tests {
         let pair = Pair::new(rail, wheel, &TrackGeometry::standard()).unwrap();
         let rigid = SectionFlexibility { flexibility: Matrix3::zeros(), misfit: 0.0 };
         let sections = Sections { rim: &rigid, head: &rigid };
-        for hardening in [0.0, 0.4] {
-            let hertz = hertz_table(&pair, steel());
+        for (form, hardening) in [
+            (StripForm::Relieved, 0.0),
+            (StripForm::Relieved, 0.4),
+            (StripForm::Winkler, 0.0),
+            (StripForm::Winkler, 0.4),
+        ] {
+            let hertz = match form {
+                StripForm::Relieved => hertz_table(&pair, steel()),
+                StripForm::Winkler => winkler_table(&pair, steel()),
+            };
             let mut places = hertz.places().to_vec();
             for StripPlace { modulus, .. } in &mut places {
                 modulus.normal *= FACTOR;
@@ -464,10 +488,13 @@ mod tests {
                     PlaceApproaches { tape_y, along, loads, sticking }
                 })
                 .to_vec();
-            let found = fit_strips(&pair, steel(), &laws, &sections).unwrap();
-            println!("{hardening} {}", found.misfit);
+            let found = fit_strips(&pair, steel(), &laws, &sections, form).unwrap();
+            println!("{form:?} {hardening} {}", found.misfit);
             if hardening > 0.0 {
-                assert!(found.misfit < HARDENED, "{}", found.misfit);
+                let is_met = found.misfit < HARDENED;
+                assert_eq!(is_met, form == StripForm::Relieved, "{}", found.misfit);
+                let hardened = found.places().iter().any(|place| place.modulus.hardening != 0.0);
+                assert_eq!(hardened, form == StripForm::Relieved);
                 continue;
             }
             assert!(found.misfit < SOLVER, "{}", found.misfit);
@@ -478,7 +505,7 @@ mod tests {
                 assert!((found.tangential / exact.tangential - 1.0).abs() < SOLVER, "{found:?} {exact:?}");
             }
         }
-        let none = fit_strips(&pair, steel(), &[], &sections).unwrap_err().to_string();
+        let none = fit_strips(&pair, steel(), &[], &sections, StripForm::Relieved).unwrap_err().to_string();
         assert!(none.contains("no place with a law"), "{none}");
     }
 }

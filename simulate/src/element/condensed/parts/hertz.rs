@@ -1,4 +1,4 @@
-//! Strips that make Hertz's contact wherever two profiles can touch.
+//! Strips that make Hertz's contact wherever two profiles can touch, and those of a Winkler foundation that do.
 
 use super::law::{StripPlace, StripStiffness};
 use super::modulus::StripModulus;
@@ -35,6 +35,48 @@ const MINDLIN: f64 = 1.4 / 1.7;
 /// The strips of Hertz's contact where both profiles have the same slope, κ the relative curvature across the track, under [`Influence::TYPICAL`]: at the edge,
 /// Hertz's semi-axis b away, the profiles overlap by the approach less `κb²/2`, which is the relief there; the force of the strips within is the load.
 pub(super) fn hertz_table(pair: &Pair, modulus: f64) -> StripStiffness {
+    let touches = touches(pair, modulus);
+    let influence = Influence { flexibility: 1.0 / (std::f64::consts::PI * modulus) };
+    let Some(places) = ReliefPlaces::new(&pair.placed.curve, influence) else {
+        unreachable!("a half-space gives way")
+    };
+    let weights = even(&touches, |touch| touch.weight(&places));
+    let stiffnesses = even(&touches, |touch| touch.spread_stiffness().ln());
+    let place = |((touch, relief), spread): ((&Touch, f64), f64)| {
+        let normal = touch.modulus(&places, relief);
+        let tangential = MINDLIN * spread.exp();
+        let modulus = StripModulus { normal, hardening: 0.0, tangential, relief };
+        StripPlace { rail_s: touch.rail_s, modulus }
+    };
+    StripStiffness::new(touches.iter().zip(weights).zip(stiffnesses).map(place).collect(), influence, 0.0)
+}
+
+/// The strips of a Winkler foundation, which do not relieve each other, that carry [`Influence::TYPICAL`] under Hertz's approach: they touch as far as the profiles overlap, `√(2δ/κ)` to either side of
+/// an approach δ, and their force is `4/3·c·δ` times that. All of a contact has Mindlin's share of its normal stiffness across the normal.
+pub(super) fn winkler_table(pair: &Pair, modulus: f64) -> StripStiffness {
+    let touches = touches(pair, modulus);
+    let stiffnesses = even(&touches, |touch| touch.winkler_modulus().ln());
+    let place = |(touch, stiffness): (&Touch, f64)| {
+        let normal = stiffness.exp();
+        let modulus = StripModulus { normal, hardening: 0.0, tangential: MINDLIN * normal, relief: 0.0 };
+        StripPlace { rail_s: touch.rail_s, modulus }
+    };
+    StripStiffness::new(touches.iter().zip(stiffnesses).map(place).collect(), Influence::default(), 0.0)
+}
+
+/// Values of all touches, evened out twice over some places.
+fn even(touches: &[Touch], value: impl Fn(&Touch) -> f64) -> Vec<f64> {
+    let mut values: Vec<f64> = touches.iter().map(value).collect();
+    let last = values.len() - 1;
+    for _ in 0..2 {
+        let around = |i: usize| &values[i.saturating_sub(EVEN)..=(i + EVEN).min(last)];
+        values = (0..=last).map(|i| around(i).iter().sum::<f64>() / around(i).len() as f64).collect();
+    }
+    values
+}
+
+/// Places along the rail where both profiles have the same slope, under the usual load.
+fn touches(pair: &Pair, modulus: f64) -> Vec<Touch> {
     let (rail, wheel) = (&pair.placed.curve, &pair.wheel.running);
     let angle = |curve: &ProfileCurve, s: f64| {
         let tangent = curve.tangent(s.clamp(0.0, curve.length() * (1.0 - 1e-9)));
@@ -52,7 +94,6 @@ pub(super) fn hertz_table(pair: &Pair, modulus: f64) -> StripStiffness {
     let samples: Vec<(f64, f64)> =
         (0..=(4 * count)).map(every).filter(|s| *s >= tip).map(|s| (s, angle(wheel, s))).collect();
     let tape = pair.tape();
-    let influence = Influence { flexibility: 1.0 / (std::f64::consts::PI * modulus) };
     let place = |i: usize| {
         let rail_s = rail.length() * i as f64 / count as f64;
         let wanted = angle(rail, rail_s);
@@ -71,25 +112,7 @@ pub(super) fn hertz_table(pair: &Pair, modulus: f64) -> StripStiffness {
         let (approach, half) = under.map_or((0.0, 0.0), |under| (under.approach, under.semi_axis_y));
         Touch { rail_s, across, approach, half }
     };
-    let touches: Vec<Touch> = (0..=count).map(place).collect();
-    let Some(places) = ReliefPlaces::new(rail, influence) else { unreachable!("a half-space gives way") };
-    let even = |value: &dyn Fn(&Touch) -> f64| {
-        let mut values: Vec<f64> = touches.iter().map(value).collect();
-        for _ in 0..2 {
-            let around = |i: usize| &values[i.saturating_sub(EVEN)..=(i + EVEN).min(count)];
-            values = (0..=count).map(|i| around(i).iter().sum::<f64>() / around(i).len() as f64).collect();
-        }
-        values
-    };
-    let weights = even(&|touch| touch.weight(&places));
-    let stiffnesses = even(&|touch| touch.spread_stiffness().ln());
-    let place = |((touch, relief), spread): ((&Touch, f64), f64)| {
-        let normal = touch.modulus(&places, relief);
-        let tangential = MINDLIN * spread.exp();
-        let modulus = StripModulus { normal, hardening: 0.0, tangential, relief };
-        StripPlace { rail_s: touch.rail_s, modulus }
-    };
-    StripStiffness::new(touches.iter().zip(weights).zip(stiffnesses).map(place).collect(), influence, 0.0)
+    (0..=count).map(place).collect()
 }
 
 /// A place of the rail under the usual load.
@@ -135,6 +158,12 @@ impl Touch {
     /// Stiffness of the whole contact under the usual load over its width, Pa: the force goes with the power 3/2 of the approach.
     fn spread_stiffness(&self) -> f64 {
         1.5 * Influence::TYPICAL / self.approach / (2.0 * self.half)
+    }
+
+    /// Stiffness of strips without relief that makes their force the load, Pa.
+    fn winkler_modulus(&self) -> f64 {
+        let half = (2.0 * self.approach / self.across).sqrt();
+        0.75 * Influence::TYPICAL / (self.approach * half)
     }
 
     /// Stiffness of the strips that makes their force the load, Pa.

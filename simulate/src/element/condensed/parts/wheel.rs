@@ -12,6 +12,9 @@ const HIGHEST: f64 = 600.0;
 const SWINGS: f64 = 300.0;
 const MOST_WRONG: f64 = 0.02;
 
+/// A mode that has less than this share of the flexibility of the rim in each direction does not move it: half of the modes of a wheel of revolution stand still where it touches.
+const LEAST_MOVED: f64 = 1e-4;
+
 /// Stiffness of a usual contact, N/m.
 const CONTACT: f64 = 1e9;
 
@@ -26,7 +29,7 @@ pub struct ElasticWheel {
     pub mass: Matrix3<f64>,
     /// From the rim's reference point to the hub's centre (y, z), m.
     pub hub: [f64; 2],
-    /// Modes with the hub held, by ascending frequency.
+    /// Modes with the hub held that move the rim, by ascending frequency.
     pub modes: Vec<RimMode>,
     /// Flexibility of the rim's section, the hub held, beyond the modes: displacements (m) and rotation (rad) under forces (N) and a torque
     /// (N·m).
@@ -45,7 +48,7 @@ pub struct RimMode {
 }
 
 impl ElasticWheel {
-    /// From a wheel's surface and modes: those up to 600 Hz, and as many more as the rim needs at 300 Hz, as modes, the others as statics. `rim` is
+    /// From a wheel's surface and modes: those that move the rim up to 600 Hz, and as many more as the rim needs at 300 Hz, as modes, the others as statics. `rim` is
     /// the flexibility of its section about the point `about` (y, z of the body's frame; m).
     ///
     /// # Errors
@@ -75,10 +78,9 @@ impl ElasticWheel {
             });
             all.push(RimMode { square, rim, coupling });
         }
+        all.retain(|mode| mode.moves(&rim.flexibility));
         all.truncate(needed(&all, &rim.flexibility));
-        let rest = all
-            .iter()
-            .fold(rim.flexibility, |rest, mode| rest - mode.rim * mode.rim.transpose() / mode.square);
+        let rest = all.iter().fold(rim.flexibility, |rest, mode| rest - mode.flexibility());
         let master = modes.rigid_motion(&nalgebra::Point3::origin(), 3);
         // a rotation about x moves the origin by (-z, y) of its arm
         let centre = Point2::new(-master.z, master.y);
@@ -89,7 +91,7 @@ impl ElasticWheel {
 
     /// Flexibility of the rim's section, the hub held.
     pub fn rim_flexibility(&self) -> Matrix3<f64> {
-        self.modes.iter().fold(self.rest, |sum, mode| sum + mode.rim * mode.rim.transpose() / mode.square)
+        self.modes.iter().fold(self.rest, |sum, mode| sum + mode.flexibility())
     }
 
     /// Motion of the rim's section under unit motions of the hub.
@@ -99,6 +101,19 @@ impl ElasticWheel {
         carried[(0, 2)] = self.hub[1];
         carried[(1, 2)] = -self.hub[0];
         carried
+    }
+}
+
+impl RimMode {
+    /// Flexibility of the rim's section in the mode.
+    pub fn flexibility(&self) -> Matrix3<f64> {
+        self.rim * self.rim.transpose() / self.square
+    }
+
+    /// Whether it moves a `rim` of a flexibility.
+    fn moves(&self, rim: &Matrix3<f64>) -> bool {
+        let own = self.flexibility();
+        (0..3).any(|i| own[(i, i)] > LEAST_MOVED * rim[(i, i)])
     }
 }
 
@@ -180,5 +195,21 @@ mod tests {
             }
         }
         assert_eq!(needed(&low, &flexibility), 2);
+    }
+
+    /// Source: half of the modes of a wheel of revolution have a node where it touches. Goal: a mode moves the rim from a ten-thousandth of the flexibility in any direction on.
+    #[test]
+    fn a_mode_with_a_node_at_the_contact_does_not_move_the_rim() {
+        let flexibility = Matrix3::from_diagonal(&Vector3::new(1e-8, 1e-10, 2e-7));
+        let square = (TAU * 190.0_f64).powi(2);
+        let mode = |direction: usize, share: f64| {
+            let mut rim = Vector3::zeros();
+            rim[direction] = (share * flexibility[(direction, direction)] * square).sqrt();
+            RimMode { square, rim, coupling: Vector3::zeros() }
+        };
+        for direction in 0..3 {
+            assert!(mode(direction, 1.1e-4).moves(&flexibility), "{direction}");
+            assert!(!mode(direction, 0.9e-4).moves(&flexibility), "{direction}");
+        }
     }
 }
