@@ -1,4 +1,4 @@
-//! The contact element that a study has not chosen: it runs beside the other one as if it were chosen, and what becomes of it is no error of the study.
+//! The contact elements that a study has not chosen: each runs beside the chosen one as if it were that, and what becomes of it is no error of the study.
 
 use crate::coarser::coarser;
 use std::path::Path;
@@ -44,8 +44,15 @@ fn json(root: &Path, file: &str) -> Value {
     serde_json::from_str(&read(root, file)).unwrap()
 }
 
-/// Goal: the histories of either element, that of the disturbed run too, are the same bytes whether the study has chosen it or not; what an earlier choice has
-/// left goes, with verdict and report; an edited history of the other element is refused by the report with its name, and is made again.
+/// The verdict on an element of the only load case.
+fn judged(root: &Path, element: &str) -> Value {
+    let verdict = json(root, "verification.json");
+    let all = verdict["scenarios"][0]["elements"].as_array().unwrap();
+    all.iter().find(|of| of["element"] == element).unwrap_or_else(|| panic!("{element}: {verdict}")).clone()
+}
+
+/// Goal: the histories of each element, that of the disturbed run too, are the same bytes whether the study has chosen it or not; what an earlier choice has
+/// left goes, with verdict and report; an edited history of another element is refused by the report with its name, and is made again.
 #[test]
 fn the_other_element_runs_as_if_it_were_chosen() {
     let root = tempfile::tempdir().unwrap();
@@ -60,9 +67,14 @@ fn the_other_element_runs_as_if_it_were_chosen() {
     let chosen = names.map(|name| read(root, name));
     let other = others("published");
     assert!(chosen[0] != other[0] && chosen[0].lines().count() == other[0].lines().count());
+    let lumped = others("lumped");
+    assert!(chosen[0] != lumped[0] && chosen[0].lines().count() == lumped[0].lines().count());
     let verdict = json(root, "verification.json");
-    assert_eq!(verdict["scenarios"][0]["elements"][1]["run"]["ending"], "completed");
-    assert!(verdict["inputs"]["history_published_disturbed.csv"].is_string(), "{verdict}");
+    for element in ["published", "lumped"] {
+        assert_eq!(judged(root, element)["run"]["ending"], "completed");
+        let name = format!("history_{element}_disturbed.csv");
+        assert!(verdict["inputs"][&name].is_string(), "{name}: {verdict}");
+    }
 
     let edited = other[0].replacen("0.0005,", "0.0006,", 1);
     std::fs::write(root.join("out/history_published.csv"), edited).unwrap();
@@ -75,10 +87,14 @@ fn the_other_element_runs_as_if_it_were_chosen() {
     done(root, "simulate", &condensed);
     assert_eq!(others("published"), other);
 
+    done(root, "simulate", &study("lumped", 20, 20.0));
+    assert_eq!(names.map(|name| read(root, name)), lumped);
+    assert_eq!([others("condensed"), others("published")], [chosen.clone(), other.clone()]);
+    assert!(!root.join("out/history_lumped.csv").exists());
     let published = study("published", 20, 20.0);
     done(root, "simulate", &published);
     assert_eq!(names.map(|name| read(root, name)), other);
-    assert_eq!(others("condensed"), chosen);
+    assert_eq!([others("condensed"), others("lumped")], [chosen, lumped]);
     for gone in
         ["history_published.csv", "history_published_disturbed.csv", "verification.json", "report.html"]
     {
@@ -98,7 +114,7 @@ fn an_element_that_fails_is_said() {
     assert!(root.join("out/history_published.csv").exists());
     let hard = study("condensed", 60, HARD_KN);
     done(root, "run", &hard);
-    let reason = json(root, "verification.json")["scenarios"][0]["elements"][1]["missing"].clone();
+    let reason = judged(root, "published")["missing"].clone();
     let reason = reason.as_str().unwrap();
     assert!(reason.starts_with("moving solver, step "), "{reason}");
     assert!(!root.join("out/history_published.csv").exists());

@@ -88,7 +88,7 @@ fn each_part_of_the_element_is_needed() {
     let solved = Solved::of("uic60-s1002");
     let (name, solid) = &solved.solids[0];
     let whole: Springs = solved.springs.clone();
-    let element = whole.element.clone().expect("the default study has an element");
+    let (key, element) = whole.element.clone().expect("the default study has an element");
     let case = &solved.study.scenarios[name];
     println!(
         "| | P to 60 ms | Q to 60 ms | P to 275 ms | Q to 275 ms | averaged Q/P: RMS, largest |\n|---|---|---|---|---|---|"
@@ -98,7 +98,7 @@ fn each_part_of_the_element_is_needed() {
         let element = change.map(|change| {
             let mut element = element.clone();
             change(&mut element);
-            element
+            (key, element)
         });
         let springs = Springs { element, ..whole.clone() };
         let (simple, comparison) =

@@ -3,6 +3,7 @@
 use nalgebra::Matrix3;
 use railspring::results::by_angle::make;
 use railspring::results::run::make::Springs;
+use railspring::results::verdict::record::VerdictSubject;
 use railspring::results::verdict::stage::statics_lines;
 use railspring::study::{Study, StudyScenario};
 use railspring::verify::{Limits, Line};
@@ -28,7 +29,7 @@ struct Planted {
 
 impl Planted {
     fn element(&mut self) -> &mut PairElement {
-        self.springs.element.as_mut().expect("the default studies have an element")
+        &mut self.springs.element.as_mut().expect("the default studies have an element").1
     }
 
     fn strips(&mut self, change: impl Fn(&mut StripModulus)) {
@@ -177,7 +178,8 @@ impl<'a> Case<'a> {
         let limits = Limits::default();
         let (history, comparison) =
             solved.compared(&sound.study, &sound.springs, &sound.case, solid, &limits).unwrap();
-        let statics = statics_lines(&solved.study.limits, &solved.stiffness, &solved.laws);
+        let statics =
+            statics_lines(&solved.study.limits, &solved.stiffness, &solved.laws, VerdictSubject::Element);
         Self { solved, solid, sound, history, lines: comparison.lines, statics }
     }
 
@@ -191,11 +193,11 @@ impl<'a> Case<'a> {
         plant(&mut planted);
         let Planted { study, case, springs } = &planted;
         let statics = match &springs.element {
-            Some(element) if Some(element) != self.sound.springs.element.as_ref() => {
+            Some(of) if Some(of) != self.sound.springs.element.as_ref() => {
                 let laws =
-                    make::with_element(study.statics(), &self.solved.geometry, &self.solved.laws, element)
+                    make::with_element(study.statics(), &self.solved.geometry, &self.solved.laws, &of.1)
                         .unwrap();
-                statics_lines(&study.limits, &self.solved.stiffness, &laws)
+                statics_lines(&study.limits, &self.solved.stiffness, &laws, VerdictSubject::Element)
             }
             _ => self.statics.clone(),
         };

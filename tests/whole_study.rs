@@ -40,7 +40,7 @@ lateral_force = {}
 "#;
 
 /// Names of the files that one study writes, in order.
-const FILES: [&str; 33] = [
+const FILES: [&str; 37] = [
     "contact.pvd",
     "contact.vtu",
     "contact_patches.json",
@@ -56,6 +56,10 @@ const FILES: [&str; 33] = [
     "history.csv",
     "history_disturbed-ride.csv",
     "history_disturbed.csv",
+    "history_lumped-ride.csv",
+    "history_lumped.csv",
+    "history_lumped_disturbed-ride.csv",
+    "history_lumped_disturbed.csv",
     "history_published-ride.csv",
     "history_published.csv",
     "history_published_disturbed-ride.csv",

@@ -1,6 +1,7 @@
-//! The laws by contact angle, and the condensed contact element.
+//! The laws by contact angle, and the contact elements that are made from the solids.
 
 pub mod element;
+pub mod lumped;
 pub mod input;
 pub mod record;
 pub mod columns;

@@ -37,7 +37,7 @@ use crate::results::run::input::{SimpleRunInput, SpringsInput};
 use crate::results::run::record::{RunRecord, SpringsRecord};
 use crate::results::run::solid_stage::{Begun, SimulateSolid, SolidRuns};
 use crate::results::run::springs;
-use crate::results::run::stage::{Other, Run, Runs, Simulate, other_element};
+use crate::results::run::stage::{Other, Run, Runs, Simulate, other_elements};
 use crate::results::springs::make::{self, Calibration};
 use crate::results::springs::record::StiffnessRecord;
 use crate::results::springs::stage::{Calibrate, FoundOn, calibrates, found_springs};
@@ -51,7 +51,7 @@ use crate::study::{LawKey, StudyScenario};
 use crate::version;
 
 /// The calibration, the laws by contact angle if the study wants them, and each load case on the simple model.
-type WithoutSolids = (Calibration, Option<StiffnessByAngleRecord>, Vec<(Run, Other)>);
+type WithoutSolids = (Calibration, Option<StiffnessByAngleRecord>, Vec<(Run, Vec<Other>)>);
 
 /// What a command has found of a study: as much as it had to look at.
 #[derive(Debug, Clone, Default)]
@@ -97,9 +97,9 @@ impl<'a> StudyRun<'a> {
         });
         let (calibration, by_angle, simple) = done?;
         let mut runs = Vec::new();
-        for ((name, scenario), (simple, other)) in self.study.scenarios.iter().zip(simple) {
+        for ((name, scenario), (simple, others)) in self.study.scenarios.iter().zip(simple) {
             let solid = scenario.solid.then(|| self.solid_run(name, scenario, Some(&begun))).transpose()?;
-            runs.push((name.clone(), Runs { simple, other, solid }));
+            runs.push((name.clone(), Runs { simple, others, solid }));
         }
         let verdict = self.engine.get(&mut Verify {
             input: VerdictInput::of(self.study),
@@ -146,8 +146,8 @@ impl<'a> StudyRun<'a> {
                 springs::own(&SpringsInput::of(self.study), &calibration.stiffness, by_angle.as_ref())?;
             for (name, scenario) in &self.study.scenarios {
                 let run = self.simple_run(name, scenario, &springs)?;
-                let other = self.other_element(name, scenario, &springs, by_angle.as_ref())?;
-                simple.push((run, other));
+                let others = self.other_elements(name, scenario, &springs, by_angle.as_ref())?;
+                simple.push((run, others));
             }
         }
         Ok((calibration, by_angle, simple))
@@ -240,7 +240,7 @@ impl<'a> StudyRun<'a> {
         let mut runs = Vec::new();
         for (name, scenario) in &self.study.scenarios {
             let run = self.simple_run(name, scenario, &springs)?;
-            self.other_element(name, scenario, &springs, laws.as_ref())?;
+            self.other_elements(name, scenario, &springs, laws.as_ref())?;
             runs.push((name.clone(), run.record));
         }
         self.note_inputs()?;
@@ -269,7 +269,7 @@ impl<'a> StudyRun<'a> {
         let (stiffness, simple) = self.stored_simple_runs()?;
         let mut runs = Vec::new();
         for ((name, scenario), (simple, (springs, laws))) in self.study.scenarios.iter().zip(simple) {
-            let other = self.other_element(name, scenario, &springs, laws.as_ref())?;
+            let others = self.other_elements(name, scenario, &springs, laws.as_ref())?;
             let solid = match scenario.solid {
                 false => None,
                 true => Some(match self.stored_solid_run(name, scenario) {
@@ -277,7 +277,7 @@ impl<'a> StudyRun<'a> {
                     _ => self.solid_run(name, scenario, None)?,
                 }),
             };
-            runs.push((name.clone(), Runs { simple, other, solid }));
+            runs.push((name.clone(), Runs { simple, others, solid }));
         }
         let by_angle = if stiffness.is_some() { self.stored_by_angle()? } else { None };
         let verdict = self.engine.get(&mut Verify {
@@ -305,15 +305,15 @@ impl<'a> StudyRun<'a> {
         self.engine.get(&mut Simulate { solids: &mut self.solids, input, name, scenario, springs })
     }
 
-    fn other_element(
+    fn other_elements(
         &mut self,
         name: &str,
         scenario: &StudyScenario,
         springs: &SpringsRecord,
         laws: Option<&StiffnessByAngleRecord>,
-    ) -> Result<Other> {
+    ) -> Result<Vec<Other>> {
         let input = SimpleRunInput::of(self.study, scenario);
-        other_element(&mut self.engine, &mut self.solids, (input, name, scenario), springs, laws)
+        other_elements(&mut self.engine, &mut self.solids, (input, name, scenario), springs, laws)
     }
 
     fn solid_run(&mut self, name: &str, scenario: &StudyScenario, begun: Option<&Begun<'a>>) -> Result<Run> {

@@ -56,14 +56,14 @@ impl ResultFile {
 }
 
 /// All files, in the order in which they are of use.
-pub const RESULT_FILES: [ResultFile; 29] = [
+pub const RESULT_FILES: [ResultFile; 30] = [
     file(REPORT, "run, fit, report", "the whole result on one page: what may be used, springs, verdict, figures, inputs"),
     file(REPORT_PDF, "run, fit, report with --pdf", "the same page on A4"),
     file("study.toml", "fit", "the study of the pair, to go on from"),
     file(STIFFNESS, "run, fit, calibrate", "the springs with their error bands, their reference, the split of the compliance, meshes, profiles and the first touch")
         .with(of::<StiffnessRecord>),
     file(LOAD_CURVE, "run, fit, calibrate", "a row for each load, with the reference in use").with(of::<LoadCurveRow>),
-    file(BY_ANGLE, "run, fit, calibrate", "laws and stiffness along the contact normal with the wheel on tread, gauge corner and flange, and the condensed contact element")
+    file(BY_ANGLE, "run, fit, calibrate", "laws and stiffness along the contact normal with the wheel on tread, gauge corner and flange, and the condensed and the lumped contact element")
         .with(of::<StiffnessByAngleRecord>),
     file(BY_ANGLE_ROWS, "run, fit, calibrate", "the same at fixed loads, a row for each shift, load and reference").with(row_schema),
     file(PATCHES, "run, fit, calibrate", "pressure, stick and slip of the contact points on the rail under the smallest, a middle and the largest load")
@@ -72,8 +72,9 @@ pub const RESULT_FILES: [ResultFile; 29] = [
         .with(history_csv::row_schema),
     file("history-*.csv", "run, simulate", "the same of a load case by its name"),
     file("history_disturbed*.csv", "run, simulate", "the same with an input that is 0.1 % larger: how far the model is determined"),
-    file("history_published*.csv", "run, simulate", "the same with the published contact element beside the condensed one, and disturbed"),
-    file("history_condensed*.csv", "run, simulate", "the same with the condensed contact element beside the published one, and disturbed"),
+    file("history_published*.csv", "run, simulate", "the same with the published contact element beside the study's one, and disturbed"),
+    file("history_condensed*.csv", "run, simulate", "the same with the condensed contact element beside the study's one, and disturbed"),
+    file("history_lumped*.csv", "run, simulate", "the same with the lumped contact element beside the study's one, and disturbed"),
     file("solid_history*.csv", "run, verify", "load cases on the solid model, and disturbed"),
     file(VERIFICATION, "run, fit, verify", "the verdict: differences of the two models with their limits, and what each model is worth itself")
         .with(of::<VerificationRecord>),

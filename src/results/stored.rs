@@ -21,7 +21,7 @@ use crate::results::study_run::StudyRun;
 use crate::results::verdict::input::VerdictInput;
 use crate::results::verdict::record::VerificationRecord;
 use crate::results::verdict::stage::verdict_address;
-use crate::study::StudyScenario;
+use crate::study::{ContactElementKey, StudyScenario};
 
 /// A time further from that of the study than this share of a step belongs to another run. Twelve digits are written,
 /// so that a time after a million steps is right to a hundred-thousandth of a step.
@@ -126,17 +126,29 @@ impl StudyRun<'_> {
         Ok((self.stored_run(&files, scenario, address.key(), "simulate")?, springs))
     }
 
-    /// The run in the contact element that the study has not chosen, or why the verdict has none.
+    /// The runs in the contact elements that the study has not chosen, or why the verdict has none.
+    fn stored_others(
+        &mut self,
+        name: &str,
+        scenario: &StudyScenario,
+        springs: &SpringsAndLaws,
+        verdict: &VerificationRecord,
+    ) -> Result<Vec<Other>> {
+        let others = springs::element(&springs.0).others();
+        others.map(|element| self.stored_other(element, name, scenario, springs, verdict)).collect()
+    }
+
+    /// One of them.
     fn stored_other(
         &mut self,
+        element: ContactElementKey,
         name: &str,
         scenario: &StudyScenario,
         (springs, laws): &SpringsAndLaws,
         verdict: &VerificationRecord,
     ) -> Result<Other> {
-        let element = springs::element(springs).other();
         let of = |missing: String| Other { element, run: Err(missing) };
-        let springs = match springs::in_other_element(springs, laws.as_ref()) {
+        let springs = match springs::in_element(springs, laws.as_ref(), element) {
             Ok(springs) => springs,
             Err(reason) => return Ok(of(reason)),
         };
@@ -245,9 +257,9 @@ impl StudyRun<'_> {
         let mut runs = Vec::new();
         for (name, scenario, springs, simple, solid) in found {
             let Some(verdict) = &verdict else { break };
-            let other = self.stored_other(name, scenario, &springs, verdict);
-            if let Some(other) = faults.note("simulate", other) {
-                runs.push((name.clone(), Runs { simple, other, solid }));
+            let others = self.stored_others(name, scenario, &springs, verdict);
+            if let Some(others) = faults.note("simulate", others) {
+                runs.push((name.clone(), Runs { simple, others, solid }));
             }
         }
         match (stiffness, load_curve, patches, by_angle, verdict) {

@@ -69,7 +69,7 @@ impl SimulationSettings {
         match (self.inner_steps, element) {
             (Some(count), _) => InnerSteps::Equal(count),
             (None, ContactElementKey::Published) => MovingModel::STEPS,
-            (None, ContactElementKey::Condensed) => CondensedModel::STEPS,
+            (None, ContactElementKey::Condensed | ContactElementKey::Lumped) => CondensedModel::STEPS,
         }
     }
 }

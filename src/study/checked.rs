@@ -90,7 +90,7 @@ impl Study {
         })
     }
 
-    /// Whether the condensed element is made: the simple model runs with it, or it stands beside the published one.
+    /// Whether the condensed and the lumped element are made: the simple model runs with one of them, or they stand beside the published one.
     pub fn wants_condensed(&self) -> bool {
         self.wants_by_angle() && !self.scenarios.is_empty()
     }

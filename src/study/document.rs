@@ -444,30 +444,34 @@ pub enum LawAcceptedKey {
 }
 
 /// Contact element of the simple model.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum ContactElementKey {
     /// The condensed solids: the law at each contact along its normal, an elastic wheel, the flexibility of the rail's head.
     Condensed,
+    /// The same as bodies and bushings that other programs can have: a hub with some oscillators, a bushing between head and rail, and a contact of independent strips.
+    Lumped,
     /// The published one: springs of the law and of the horizontal stiffness at the wheel centre.
+    #[default]
     Published,
 }
 
 impl ContactElementKey {
+    /// All of them, in the order of files and figures.
+    pub const ALL: [Self; 3] = [Self::Condensed, Self::Lumped, Self::Published];
+
     /// Its name in files and figures.
     pub fn name(self) -> &'static str {
         match self {
             Self::Condensed => "condensed",
+            Self::Lumped => "lumped",
             Self::Published => "published",
         }
     }
 
-    /// The one of both that this one is not.
-    pub fn other(self) -> Self {
-        match self {
-            Self::Condensed => Self::Published,
-            Self::Published => Self::Condensed,
-        }
+    /// Those that this one is not.
+    pub fn others(self) -> impl Iterator<Item = Self> {
+        Self::ALL.into_iter().filter(move |other| *other != self)
     }
 }
 

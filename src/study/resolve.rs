@@ -360,14 +360,14 @@ fn listed(names: &[&str]) -> String {
     }
 }
 
-/// A condensed element has the laws by contact angle, and no other springs.
+/// An element that is made from the solids has the laws by contact angle, and no other springs.
 fn element(document: &StudyDocument) -> Result<()> {
     let simulation = &document.simulation;
-    if simulation.element != Some(ContactElementKey::Condensed) {
+    let Some(element) = simulation.element.filter(|element| *element != ContactElementKey::Published) else {
         return Ok(());
-    }
+    };
     let refuse = |because: &str, remedy: &str| {
-        Err(InputError::new("simulation.element", "\"condensed\"", because, remedy))
+        Err(InputError::new("simulation.element", format!("{:?}", element.name()), because, remedy))
     };
     if document.calibration.shifts_mm.as_ref().is_some_and(Vec::is_empty) {
         return refuse(

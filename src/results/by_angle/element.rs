@@ -126,23 +126,9 @@ impl ElementRecord {
         let wrong = |key: String, value: String, expected: &str| {
             Err(InputError::new(format!("{file}: element.{key}"), value, expected, remedy))
         };
-        let Some((first, last)) = self.strips.first().zip(self.strips.last()) else {
-            return wrong("strips".into(), "[]".into(), "the strips at one place of the rail at least");
-        };
-        let parts = (self.strips.len() - 1).max(1) as f64;
-        let apart = (last.rail_s_mm - first.rail_s_mm) / parts;
+        evenly_apart(&self.strips.iter().map(|strip| strip.rail_s_mm).collect::<Vec<_>>(), &wrong)?;
         for (i, strip) in self.strips.iter().enumerate() {
             let key = |name: &str| format!("strips[{i}].{name}");
-            let expected = first.rail_s_mm + apart * i as f64;
-            let before = self.strips[..i].last().map(|before| before.rail_s_mm);
-            if let Some(before) = before.filter(|before| strip.rail_s_mm <= *before) {
-                let expected = format!("more than {before} mm, the place before");
-                return wrong(key("rail_s_mm"), strip.rail_s_mm.to_string(), &expected);
-            }
-            if (strip.rail_s_mm - expected).abs() > 1e-6 * apart.abs() {
-                let expected = format!("places that are equally far apart, here {expected} mm");
-                return wrong(key("rail_s_mm"), strip.rail_s_mm.to_string(), &expected);
-            }
             for (name, value, least) in [
                 ("modulus_gpa", strip.modulus_gpa, f64::MIN_POSITIVE),
                 ("tangential_gpa", strip.tangential_gpa, f64::MIN_POSITIVE),
@@ -173,20 +159,52 @@ impl ElementRecord {
                 return wrong(key, mode.square_per_s2.to_string(), "more than 0: a mode that swings");
             }
         }
-        if matrix(&self.wheel.mass).cholesky().is_none() {
-            let mass = format!("{:?}", self.wheel.mass);
-            return wrong("wheel.mass".into(), mass, "a mass in all directions (a positive definite matrix)");
+        mass_in_all_directions("wheel.mass", &matrix(&self.wheel.mass), &wrong)
+    }
+}
+
+/// Refuses the value of a key of an element, of which it says what was expected.
+type Wrong<'a> = &'a dyn Fn(String, String, &str) -> Result<(), InputError>;
+
+/// That strips are at one place at least, and at places (mm) that are equally far apart.
+pub(super) fn evenly_apart(places: &[f64], wrong: Wrong<'_>) -> Result<(), InputError> {
+    let Some((first, last)) = places.first().zip(places.last()) else {
+        return wrong("strips".into(), "[]".into(), "the strips at one place of the rail at least");
+    };
+    let apart = (last - first) / (places.len() - 1).max(1) as f64;
+    for (i, place) in places.iter().enumerate() {
+        let key = || format!("strips[{i}].rail_s_mm");
+        let expected = first + apart * i as f64;
+        if let Some(before) = places[..i].last().filter(|before| place <= before) {
+            return wrong(key(), place.to_string(), &format!("more than {before} mm, the place before"));
         }
-        Ok(())
+        if (place - expected).abs() > 1e-6 * apart.abs() {
+            let expected = format!("places that are equally far apart, here {expected} mm");
+            return wrong(key(), place.to_string(), &expected);
+        }
+    }
+    Ok(())
+}
+
+/// That a hub has a mass in all directions.
+pub(super) fn mass_in_all_directions(
+    key: &str,
+    mass: &Matrix3<f64>,
+    wrong: Wrong<'_>,
+) -> Result<(), InputError> {
+    match mass.cholesky() {
+        Some(_) => Ok(()),
+        None => wrong(
+            key.into(),
+            format!("{:?}", rows(mass)),
+            "a mass in all directions (a positive definite matrix)",
+        ),
     }
 }
 
 impl HeldEndRecord {
     /// Whether there is a place at least, and each is farther from the end than the one before.
-    fn check(
-        &self,
-        wrong: &dyn Fn(String, String, &str) -> Result<(), InputError>,
-    ) -> Result<(), InputError> {
+    pub(super) fn check(&self, wrong: Wrong<'_>) -> Result<(), InputError> {
         if self.shear_inset_mm < 0.0 {
             return wrong("held_end.shear_inset_mm".into(), self.shear_inset_mm.to_string(), "0 or more");
         }

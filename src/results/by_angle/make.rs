@@ -12,8 +12,10 @@ use railspring_profiles::monitor::Monitor;
 use railspring_profiles::units::{
     KILONEWTON, KILONEWTON_PER_METRE, MEGAPASCAL, MILLIMETRE, SQUARE_MILLIMETRE,
 };
-use railspring_simulate::element::condensed::parts::{ElementBodies, PairElement, PlaceApproaches};
-use railspring_simulate::element::condensed::{CondensedModel, fitted_element};
+use railspring_simulate::element::condensed::parts::{
+    ElementBodies, LumpedElement, PairElement, PlaceApproaches,
+};
+use railspring_simulate::element::condensed::{CondensedModel, fitted_element, fitted_lumped};
 use railspring_simulate::element::published::{HubStatics, MovingModel, WheelSprings};
 
 use crate::results::bodies::coarser::{CoarserBodies, bodies_of};
@@ -21,6 +23,7 @@ use crate::results::bodies::geometry::Geometry;
 use crate::results::bodies::places::{loads_by_angle, shifts, tape_y};
 use crate::results::by_angle::element::{ElementRecord, HubDeviationRecord};
 use crate::results::by_angle::input::ByAngleInput;
+use crate::results::by_angle::lumped::LumpedRecord;
 use crate::results::by_angle::record::{
     AngleLawRecord, ContactRecord, FixedLoadRecord, FixedReferenceRecord, PatchBandRecord, ShiftRecord,
     ShiftTouchRecord, StiffnessByAngleRecord,
@@ -66,34 +69,38 @@ pub fn by_angle(
     } else {
         vec![None; laws.len()]
     };
-    let element = input.modes.is_some().then(|| {
+    let elements = input.modes.is_some().then(|| -> Result<_> {
         let places: Vec<PlaceApproaches> = laws.iter().filter_map(PlaceApproaches::of).collect();
         let beam = (&geometry.beam, statics.materials());
-        fitted_element(
-            ElementBodies::new(pair, bodies, geometry.beam.length())?,
-            beam,
-            places,
-            statics.contact.friction,
-        )
+        let friction = statics.contact.friction;
+        let bodies = ElementBodies::new(pair, bodies, geometry.beam.length())?;
+        let element = fitted_element(&bodies, beam, places.clone(), friction)?;
+        Ok((element, fitted_lumped(&bodies, beam, places, friction)?))
     });
-    let (element, element_missing) = match element {
-        Some(Ok(element)) => (Some(element), None),
-        Some(Err(reason)) => (None, Some(reason.to_string())),
-        None => (None, None),
+    let (element, lumped, element_missing) = match elements {
+        Some(Ok((element, lumped))) => (Some(element), Some(lumped), None),
+        Some(Err(reason)) => (None, None, Some(reason.to_string())),
+        None => (None, None, None),
     };
     let entries = shifts.iter().zip(laws.into_iter().zip(bands));
     let mut records: Vec<ShiftRecord> =
         entries.map(|(shift, (law, band))| shift_record(*shift, law, band)).collect();
     let springs = published_springs(stiffness);
     let published = springs.as_ref().map(|springs| (springs, stiffness.wheel_mass()));
-    enter_statics(statics, geometry, (&mut records, &places), element.as_ref(), published)?;
-    let displacement = farthest(&records);
+    let of_lumped = lumped.as_ref().map(PairElement::from);
+    let of_solids = [element.as_ref(), of_lumped.as_ref()];
+    enter_statics(statics, geometry, (&mut records, &places), of_solids, published)?;
+    let displacement = farthest(&records, |load| load.condensed_displacement_mm);
+    let of_lumped = farthest(&records, |load| load.lumped_displacement_mm);
     Ok(StiffnessByAngleRecord {
         study: String::new(),
         friction: statics.contact.friction,
         element: element
             .as_ref()
             .map(|element| ElementRecord { displacement, ..ElementRecord::from(element) }),
+        lumped: lumped
+            .as_ref()
+            .map(|lumped| LumpedRecord { displacement: of_lumped, ..LumpedRecord::from(lumped) }),
         element_missing,
         shifts: records,
         pair: statics.pair(),
@@ -260,14 +267,17 @@ fn contact_record(contact: &Region) -> ContactRecord {
     }
 }
 
-/// Where the displacement of the condensed element's hub is farthest from the solid's.
-fn farthest(records: &[ShiftRecord]) -> Option<HubDeviationRecord> {
+/// Where the displacement of an element's hub, mm, is farthest from the solid's.
+fn farthest(
+    records: &[ShiftRecord],
+    of_element: impl Fn(&FixedLoadRecord) -> Option<f64>,
+) -> Option<HubDeviationRecord> {
     let beam = |load: &FixedLoadRecord| load.reference(Reference::Beam.name()).map(|at| at.displacement_mm);
     let of_place = |record: &ShiftRecord| -> Vec<HubDeviationRecord> {
         let Some(whole) = record.loads.last().and_then(beam) else { return Vec::new() };
         let deviation = |load: &FixedLoadRecord| {
             Some(HubDeviationRecord {
-                max_rel_error: (load.condensed_displacement_mm? - beam(load)?).abs() / whole,
+                max_rel_error: (of_element(load)? - beam(load)?).abs() / whole,
                 shift_mm: record.shift_mm,
                 force_kn: load.force_kn,
             })
@@ -293,7 +303,7 @@ fn enter_statics(
     statics: Statics<'_>,
     geometry: &Geometry,
     (records, places): (&mut [ShiftRecord], &[f64]),
-    element: Option<&PairElement>,
+    of_solids: [Option<&PairElement>; 2],
     published: Option<(&WheelSprings, f64)>,
 ) -> Result<()> {
     let (materials, friction) = (statics.materials(), statics.contact.friction);
@@ -301,14 +311,19 @@ fn enter_statics(
         let pair = geometry.pair.with_wheel_at(*tape_y)?;
         let along = *PressDirection::Normal.at(&pair);
         let beam = || geometry.beam.clone();
-        let condensed =
-            element.map(|element| CondensedModel::of_pair(&pair, beam(), materials, element.clone()));
+        let [condensed, lumped] = of_solids.map(|element| {
+            element.map(|element| CondensedModel::of_pair(&pair, beam(), materials, element.clone()))
+        });
         let published = published
             .map(|(springs, mass)| MovingModel::of_pair(&pair, beam(), materials, springs.clone(), mass));
         for load in &mut record.loads {
             let force = load.force_kn * KILONEWTON;
-            let of = condensed.as_ref().and_then(|model| model.pressed(along, force, friction).ok());
-            (load.condensed_hub_um_per_kn, load.condensed_displacement_mm) = of.map(hub_statics).unzip();
+            let pressed = |model: &Option<CondensedModel>| {
+                let of = model.as_ref()?.pressed(along, force, friction).ok()?;
+                Some(hub_statics(of))
+            };
+            (load.condensed_hub_um_per_kn, load.condensed_displacement_mm) = pressed(&condensed).unzip();
+            (load.lumped_hub_um_per_kn, load.lumped_displacement_mm) = pressed(&lumped).unzip();
             let Some(model) = &published else { continue };
             let of = model.pressed(along, force, friction).ok();
             (load.published_hub_um_per_kn, load.published_displacement_mm) = of.map(hub_statics).unzip();
@@ -330,8 +345,10 @@ pub fn with_element(
     let mut laws = laws.clone();
     let place = |shift: &ShiftRecord| tape_y(statics, &geometry.pair, shift.shift_mm * MILLIMETRE);
     let places: Vec<f64> = laws.shifts.iter().map(place).collect();
-    enter_statics(statics, geometry, (&mut laws.shifts, &places), Some(element), None)?;
-    let displacement = farthest(&laws.shifts);
+    let lumped = laws.lumped.as_ref().map(|lumped| PairElement::from(&LumpedElement::from(lumped)));
+    let of_solids = [Some(element), lumped.as_ref()];
+    enter_statics(statics, geometry, (&mut laws.shifts, &places), of_solids, None)?;
+    let displacement = farthest(&laws.shifts, |load| load.condensed_displacement_mm);
     laws.element = Some(ElementRecord { displacement, ..ElementRecord::from(element) });
     Ok(laws)
 }
@@ -369,6 +386,8 @@ fn load_record(fixed: &FixedLoad) -> FixedLoadRecord {
         hub_um_per_kn: hub_values(&fixed.flexibility),
         condensed_hub_um_per_kn: None,
         condensed_displacement_mm: None,
+        lumped_hub_um_per_kn: None,
+        lumped_displacement_mm: None,
         published_hub_um_per_kn: None,
         published_displacement_mm: None,
         horizontal_kn_per_m: fixed.horizontal_stiffness / KILONEWTON_PER_METRE,

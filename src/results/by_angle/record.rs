@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::engine::seal::Sealed;
 use crate::results::by_angle::element::ElementRecord;
+use crate::results::by_angle::lumped::LumpedRecord;
 use crate::results::springs::band_record::{BandPointRecord, ErrorBandRecord};
 use crate::results::springs::form::FormRecord;
 use crate::results::springs::record::LawRecord;
@@ -27,7 +28,10 @@ pub struct StiffnessByAngleRecord {
     /// What the condensed contact element runs with; none where no run asks for it, or there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub element: Option<ElementRecord>,
-    /// Why there is no condensed element although a run asks for it.
+    /// The lumped element that follows from it; none where there is no condensed one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lumped: Option<LumpedRecord>,
+    /// Why there is no condensed element, and no lumped one, although a run asks for it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub element_missing: Option<String>,
     /// The pair.
@@ -127,6 +131,12 @@ pub struct FixedLoadRecord {
     /// Displacement of its hub along the contact normal against the rail's section, mm.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub condensed_displacement_mm: Option<f64>,
+    /// The same flexibility of the lumped contact element, if there is one and it carries the load.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lumped_hub_um_per_kn: Option<[f64; 3]>,
+    /// Displacement of its hub along the contact normal against the rail's section, mm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lumped_displacement_mm: Option<f64>,
     /// The same flexibility of the published contact element with the calibrated law against the rail's section and the calibrated horizontal stiffness, if it has
     /// both and carries the load.
     #[serde(default, skip_serializing_if = "Option::is_none")]

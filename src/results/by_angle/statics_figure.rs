@@ -1,10 +1,10 @@
-//! The figure of the hub's statics: the solid and both contact elements over shift and load.
+//! The figure of the hub's statics: the solid and the contact elements over shift and load.
 
 use plotters::prelude::*;
 
 use crate::report::number::{WIDTH, number};
 use crate::report::panel::{Panel, stacked_over_names};
-use crate::report::plot::{DARK, Dash, Marker, ORANGE, RED, Series};
+use crate::report::plot::{BLUE, DARK, Dash, Marker, ORANGE, RED, Series};
 use crate::results::by_angle::record::{FixedLoadRecord, ShiftRecord, StiffnessByAngleRecord};
 use crate::rounding::with_minus_signs;
 
@@ -19,7 +19,7 @@ struct Model {
     displacement: fn(&FixedLoadRecord) -> Option<f64>,
 }
 
-static MODELS: [Model; 3] = [
+static MODELS: [Model; 4] = [
     Model {
         name: "solid",
         look: (DARK, Dash::Solid, Marker::Disc),
@@ -31,6 +31,12 @@ static MODELS: [Model; 3] = [
         look: (RED, Dash::Dashed, Marker::Triangle),
         hub: |load| load.condensed_hub_um_per_kn,
         displacement: |load| load.condensed_displacement_mm,
+    },
+    Model {
+        name: "lumped element",
+        look: (BLUE, Dash::Dashed, Marker::Circle),
+        hub: |load| load.lumped_hub_um_per_kn,
+        displacement: |load| load.lumped_displacement_mm,
     },
     Model {
         name: "published element",
@@ -114,7 +120,7 @@ mod tests {
     use crate::results::samples;
 
     /// Goal: a curve for each model in each of the four panels, cut between the shifts; the published element's is left out where it was not pressed, and all of the figure where
-    /// neither element was.
+    /// no element was.
     #[test]
     fn every_model_that_was_pressed_is_drawn() {
         let mut laws = samples::by_angle();
@@ -123,8 +129,8 @@ mod tests {
         let figure = statics(&laws).unwrap();
         let discs = figure.matches("<circle").count();
         let points: usize = laws.shifts.iter().map(|shift| shift.loads.len()).sum();
-        // and that of the legend
-        assert_eq!(discs, 4 * points + 1);
+        // and that of the legend; an open circle of the lumped element is two
+        assert_eq!(discs, 3 * (4 * points + 1));
         assert!(shifts > 1 && squares(&figure) > 4 * points && figure.contains("published element"));
         let loads = |laws: &mut StiffnessByAngleRecord, change: fn(&mut FixedLoadRecord)| {
             laws.shifts.iter_mut().flat_map(|shift| &mut shift.loads).for_each(change);
@@ -135,6 +141,8 @@ mod tests {
         let figure = statics(&laws).unwrap();
         assert!(squares(&figure) == 0 && !figure.contains("published element"));
         loads(&mut laws, |load| load.condensed_hub_um_per_kn = None);
+        assert!(statics(&laws).is_some_and(|figure| !figure.contains("condensed element")));
+        loads(&mut laws, |load| load.lumped_hub_um_per_kn = None);
         assert!(statics(&laws).is_none());
     }
 }

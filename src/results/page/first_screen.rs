@@ -7,16 +7,17 @@ use crate::results::page::data::ReportData;
 use crate::results::run::record::SpringsSource;
 use crate::results::springs::record::{LawRecord, StiffnessRecord};
 use crate::results::verdict::reasons::reason;
-use crate::results::verdict::record::{VerdictOn, VerdictSubject};
+use crate::results::verdict::record::{ScenarioVerdict, VerdictOn, VerdictSubject};
 use crate::results::verdict::tables;
 use crate::rounding::{rounded_to, significant};
-use crate::study::ResolvedKey;
+use crate::study::{ContactElementKey, ResolvedKey};
 
 /// The springs in use, the limits that fail, and what the springs are valid for.
 pub(crate) fn first_screen(data: &ReportData<'_>) -> Value {
     json!({
         "springs": springs(data.stiffness),
         "verdicts": verdicts(data),
+        "forms": forms(data),
         "changed_limits": data.verdict.changed_limits.iter().map(ToString::to_string).collect::<Vec<_>>(),
         "law_notes": law_notes(data),
         "programs": programs(data),
@@ -45,16 +46,41 @@ fn constants_in(law: &LawRecord, unit: &str) -> [String; 3] {
     ]
 }
 
-/// Both verdicts, the one that decides first: on what, the lines counted, for which loads and uses it holds and for which not.
+/// The verdicts, the one that decides first: on what, the lines counted, for which loads and uses it holds and for which not.
 fn verdicts(data: &ReportData<'_>) -> Vec<Value> {
     let row = |of: &VerdictOn| {
         let what = match of.on {
             VerdictSubject::Element => "condensed contact element",
+            VerdictSubject::Lumped => "lumped contact element: bodies, bushings, strips",
             VerdictSubject::Springs => "springs: law, horizontal stiffness, published element",
         };
         json!({ "on": what, "counts": of.counts(), "fails": of.fail > 0, "holds_for": of.holds_for, "not_for": of.not_for })
     };
     data.verdict.verdicts.iter().map(row).collect()
+}
+
+/// What each contact element loses on each load case beside the solid: load case, element, P, Q, averaged Q/P and its largest difference.
+fn forms(data: &ReportData<'_>) -> Vec<[String; 6]> {
+    let percent = |value: Option<f64>| {
+        value.map_or_else(|| "\u{2013}".into(), |value| format!("{} %", significant(1e2 * value, 2)))
+    };
+    let plain = |value: Option<f64>| value.map_or_else(|| "\u{2013}".into(), |value| significant(value, 2));
+    let of_case = |judged: &'_ ScenarioVerdict| -> Vec<[String; 6]> {
+        let row = |element: ContactElementKey| {
+            let of = judged.elements.iter().find(|of| of.element == element.name())?;
+            let d = of.differences?;
+            Some([
+                judged.scenario.clone(),
+                element.name().into(),
+                percent(d.vertical_rms),
+                percent(d.lateral_rms),
+                plain(d.ratio_rms),
+                plain(d.ratio_max),
+            ])
+        };
+        ContactElementKey::ALL.into_iter().rev().filter_map(row).collect()
+    };
+    data.verdict.scenarios.iter().flat_map(of_case).collect()
 }
 
 /// In which respects load cases ran with springs that are not those of this study.

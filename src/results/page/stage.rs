@@ -18,9 +18,11 @@ use crate::results::names::{
 use crate::results::page::data::ReportData;
 use crate::results::page::input::PageInput;
 use crate::results::run::figures::{ModelRun, ScenarioRun};
+use crate::results::run::springs;
 use crate::results::run::stage::{Other, Run, Runs};
 use crate::results::springs::make::Calibration;
 use crate::results::verdict::record::VerificationRecord;
+use crate::study::ContactElementKey;
 use crate::verify::Band;
 
 /// The report on all results.
@@ -66,14 +68,17 @@ impl<'s> Stage for Report<'s, '_> {
                     history: &run.history,
                     carrying: run.model().carrying(limits.ratio_max),
                 };
-                let Other { element, run: other } = &runs.other;
-                let own = drawn(element.other().name(), &runs.simple);
-                let other = other.as_ref().ok().map(|run| drawn(element.name(), run));
+                let springs = runs.simple.record.springs.as_ref();
+                let chosen = springs.map_or(ContactElementKey::Published, springs::element);
+                let own = drawn(chosen.name(), &runs.simple);
+                let other = |Other { element, run }: &'s Other| {
+                    run.as_ref().ok().map(|run| drawn(element.name(), run))
+                };
                 ScenarioRun {
                     name,
                     description: &scenario.description,
                     snapshots: &scenario.snapshots,
-                    elements: [own].into_iter().chain(other).collect(),
+                    elements: [own].into_iter().chain(runs.others.iter().filter_map(other)).collect(),
                     solid: runs.solid.as_ref().map(|run| drawn("solid", run)),
                     band: runs.solid.as_ref().and_then(|run| Band::around(&run.model(), limits)),
                 }

@@ -1,4 +1,4 @@
-//! The figures of a load case: both contact elements of the simple model and the solid model over time.
+//! The figures of a load case: the contact elements of the simple model and the solid model over time.
 
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
@@ -9,7 +9,8 @@ use crate::report::legend::{Entry, draw_legend, legend_height};
 use crate::report::number::{WIDTH, round};
 use crate::report::panel::{Panel, stacked};
 use crate::report::plot::{
-    DARK, Dash, Drawn, GREY, ORANGE, PALE_BLUE, RED, Series, frame, label, nice_step, px, stroke, svg, tick,
+    BLUE, DARK, Dash, Drawn, GREY, ORANGE, PALE_BLUE, RED, Series, frame, label, nice_step, px, stroke, svg,
+    tick,
 };
 use crate::verify::{Band, Carrying, FLANGE_SIDE, averaged_ratio};
 
@@ -33,7 +34,7 @@ pub struct ScenarioRun<'a> {
     pub description: &'a str,
     /// Times of the pictures of the contact positions, s.
     pub snapshots: &'a [f64],
-    /// The simple model's runs: with the study's contact element, then with the other one, if that ran.
+    /// The simple model's runs: with the study's contact element, then with each other one that ran.
     pub elements: Vec<ModelRun<'a>>,
     /// The solid model's run, if it ran.
     pub solid: Option<ModelRun<'a>>,
@@ -144,8 +145,8 @@ fn curves(
         |points: &Vec<(f64, f64)>| Series::line("solid model", points.clone(), DARK, Dash::Solid).thin();
     series.extend(solid.iter().map(line));
     let looks = match run.solid {
-        Some(_) => [(RED, Dash::Dashed), (ORANGE, Dash::Dotted)],
-        None => [(RED, Dash::Solid), (ORANGE, Dash::Dashed)],
+        Some(_) => [(RED, Dash::Dashed), (BLUE, Dash::Dashed), (ORANGE, Dash::Dotted)],
+        None => [(RED, Dash::Solid), (BLUE, Dash::Dashed), (ORANGE, Dash::Dotted)],
     };
     // the study's element lies on top
     for (of, (color, dash)) in run.elements.iter().zip(looks).rev() {

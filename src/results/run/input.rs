@@ -80,7 +80,7 @@ impl<'a> SimpleRunInput<'a> {
         Address::of(Kind::SimpleRun, &(self, springs))
     }
 
-    /// The same in the contact element that the study has not chosen: a failure is kept there, too, and that of the chosen element never.
+    /// The same in a contact element that the study has not chosen: a failure is kept there, too, and that of the chosen element never.
     pub fn other_address(&self, springs: &SpringsRecord) -> Address {
         Address::of(Kind::SimpleRun, &("other element", self, springs))
     }

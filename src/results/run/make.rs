@@ -31,25 +31,25 @@ pub struct Springs {
     pub normal: NormalLaw,
     /// Horizontal stiffness, N/m.
     pub horizontal: f64,
-    /// Mass of the solid wheel, kg; the condensed element has its own.
+    /// Mass of the solid wheel, kg; an element that is made from the solids has its own.
     pub wheel_mass: f64,
     /// What makes the rail beam as flexible as the solid that the law was calibrated on.
     pub beam: BeamCorrection,
-    /// The condensed contact element; without one the springs run in the published one.
-    pub element: Option<PairElement>,
+    /// The condensed or the lumped contact element, and which it is; without one the springs run in the published one.
+    pub element: Option<(ContactElementKey, PairElement)>,
 }
 
 impl Springs {
     /// Mass of the wheel of load cases without a mass of their own, kg.
     pub fn mass(&self) -> f64 {
-        self.element.as_ref().map_or(self.wheel_mass, |element| element.wheel.mass[(1, 1)])
+        self.element.as_ref().map_or(self.wheel_mass, |(_, element)| element.wheel.mass[(1, 1)])
     }
 }
 
 /// The simple model with one of its contact elements.
 enum SimpleModel {
     Published(Box<MovingModel>),
-    Condensed(Box<CondensedModel>),
+    OfSolids(ContactElementKey, Box<CondensedModel>),
 }
 
 impl SimpleModel {
@@ -63,9 +63,9 @@ impl SimpleModel {
         let damped = [&input.rail.material, &input.wheel.material].map(|own| own.damped(input.damping));
         let (pair, materials) = (&geometry.pair, damped.each_ref());
         let beam = beam.corrected(&springs.beam)?;
-        if let Some(element) = &springs.element {
+        if let Some((key, element)) = &springs.element {
             let model = CondensedModel::of_pair(pair, beam, materials, element.clone());
-            return Ok(Self::Condensed(Box::new(model)));
+            return Ok(Self::OfSolids(*key, Box::new(model)));
         }
         let wheel_springs = WheelSprings {
             horizontal: springs.horizontal,
@@ -85,11 +85,11 @@ impl SimpleModel {
     fn element(&self) -> ContactElementKey {
         match self {
             Self::Published(_) => ContactElementKey::Published,
-            Self::Condensed(_) => ContactElementKey::Condensed,
+            Self::OfSolids(key, _) => *key,
         }
     }
 
-    /// Other steps that say what those of a run are worth. The condensed element's longest ones are as long as its scheme is of fourth order: with twice the length it is not, and the change is ten times the
+    /// Other steps that say what those of a run are worth. The condensed model's longest ones are as long as its scheme is of fourth order: with twice the length it is not, and the change is ten times the
     /// error. Those of the published element are worth as much in either direction, and longer ones take less time; where the history has no longer ones they are half as long.
     fn other_steps(&self, steps: InnerSteps) -> InnerSteps {
         match self {
@@ -101,7 +101,7 @@ impl SimpleModel {
     fn run(&self, scenario: &Scenario, monitor: &dyn Monitor) -> Result<History> {
         let run = match self {
             Self::Published(model) => model.run(scenario, monitor)?,
-            Self::Condensed(model) => model.run(scenario, monitor)?,
+            Self::OfSolids(_, model) => model.run(scenario, monitor)?,
         };
         Ok(run.history)
     }

@@ -4,15 +4,18 @@ use std::sync::Arc;
 
 use nalgebra::Point2;
 use railspring_profiles::units::MILLIMETRE;
+use railspring_simulate::element::condensed::parts::{LumpedElement, PairElement};
 use railspring_simulate::solid::Reduction;
 use railspring_simulate::time::history::{Ending, History};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::results::by_angle::element::{ElementRecord, HubDeviationRecord};
+use crate::results::by_angle::lumped::LumpedRecord;
 use crate::results::springs::form::NormalLawRecord;
 use crate::results::springs::record::BeamFactors;
 use crate::rounding::significant;
+use crate::study::ContactElementKey;
 use crate::verify::{ModelChange, ModelRun, Spread, StepChange, Worth};
 
 /// The run that a history is of, as a note beside its file.
@@ -219,7 +222,10 @@ pub struct SpringsRecord {
     /// What makes the rail beam as flexible as the solid rail that the law was calibrated on.
     #[serde(default)]
     pub beam: BeamFactors,
-    /// BLAKE3 hash of the condensed contact element that the model runs with; none of the published element.
+    /// Contact element that the model runs with.
+    #[serde(default)]
+    pub contact_element: ContactElementKey,
+    /// BLAKE3 hash of it, if it is made from the solids; none of the published element.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub element_blake3: Option<String>,
     /// Where its hub is farthest from that of the solid under statics.
@@ -227,10 +233,47 @@ pub struct SpringsRecord {
     pub element_displacement: Option<HubDeviationRecord>,
     /// That element; in files it stands in `stiffness_by_angle.json`.
     #[serde(skip)]
-    pub element: Option<Arc<ElementRecord>>,
+    pub element: Option<Arc<SolidElementRecord>>,
     /// In which respects the law is not that of the study's own pair and rail model.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
+}
+
+/// A contact element that is made from the solids.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum SolidElementRecord {
+    /// The condensed one.
+    Condensed(ElementRecord),
+    /// The lumped one.
+    Lumped(LumpedRecord),
+}
+
+impl SolidElementRecord {
+    /// Which one it is.
+    pub fn key(&self) -> ContactElementKey {
+        match self {
+            Self::Condensed(_) => ContactElementKey::Condensed,
+            Self::Lumped(_) => ContactElementKey::Lumped,
+        }
+    }
+
+    /// Where its hub is farthest from that of the solid under statics.
+    pub fn displacement(&self) -> Option<HubDeviationRecord> {
+        match self {
+            Self::Condensed(element) => element.displacement,
+            Self::Lumped(element) => element.displacement,
+        }
+    }
+}
+
+impl From<&SolidElementRecord> for PairElement {
+    fn from(element: &SolidElementRecord) -> Self {
+        match element {
+            SolidElementRecord::Condensed(element) => element.into(),
+            SolidElementRecord::Lumped(element) => (&LumpedElement::from(element)).into(),
+        }
+    }
 }
 
 /// Where a normal law is from.

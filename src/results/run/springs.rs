@@ -15,7 +15,7 @@ use crate::results::run::record::SpringsRecord;
 use crate::rounding::with_unit;
 
 pub use self::accepted::check_reference;
-pub use self::contact_element::{element, in_other_element};
+pub use self::contact_element::{element, in_element};
 pub use self::file::{element_of, from_file};
 pub use self::in_si::springs;
 pub use self::of_study::{need_no_calibration, own, without_calibration};
@@ -23,7 +23,7 @@ pub use self::of_study::{need_no_calibration, own, without_calibration};
 /// Says by how much a run leaves the fitted range of its law, if it does. Steps without contact do not count.
 pub fn range_note(springs: &SpringsRecord, history: &History) -> Option<String> {
     let [low, high] = springs.range_kn?;
-    // the condensed element has the law at its contacts
+    // an element of the solids has the law at its contacts
     let (of, load): (&str, fn(&HistoryRow) -> f64) = match springs.element_blake3 {
         Some(_) => ("the largest normal force of a contact runs", |row| {
             row.contacts.iter().map(|contact| contact.normal_force).fold(0.0, f64::max)

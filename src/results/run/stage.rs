@@ -28,7 +28,7 @@ const DISTURBED: [&str; 2] = ["history_disturbed.csv", "run_disturbed.json"];
 /// Names of the files of both models' runs, and of the runs with a larger input.
 pub(crate) const SIMPLE: [&str; 2] = ["history", "history_disturbed"];
 pub(crate) const SOLID: [&str; 2] = ["solid_history", "solid_history_disturbed"];
-/// Part of an artefact: why the element that the study has not chosen did not run.
+/// Part of an artefact: why an element that the study has not chosen did not run.
 const FAILURE: &str = "failure.txt";
 
 /// Names of the files of a contact element that the study has not chosen.
@@ -69,20 +69,20 @@ pub(crate) struct Simulate<'s, 'a> {
     pub springs: &'s SpringsRecord,
 }
 
-/// The same in the contact element that the study has not chosen, with its springs.
+/// The same in a contact element that the study has not chosen, with its springs.
 pub(crate) struct SimulateOther<'s, 'a>(pub Simulate<'s, 'a>);
 
-/// The contact element that the study has not chosen.
+/// A contact element that the study has not chosen.
 pub(crate) struct Other {
     pub element: ContactElementKey,
     /// Its run, or why there is none.
     pub run: std::result::Result<Run, String>,
 }
 
-/// The runs of a scenario: the simple model with the study's contact element, the same with the other one, and the solid model.
+/// The runs of a scenario: the simple model with the study's contact element, the same with each other one, and the solid model.
 pub(crate) struct Runs {
     pub simple: Run,
-    pub other: Other,
+    pub others: Vec<Other>,
     pub solid: Option<Run>,
 }
 
@@ -166,32 +166,44 @@ impl Simulate<'_, '_> {
     }
 }
 
-/// The load case in the contact element that the study has not chosen, as far as it can run beside `springs`. Nothing of it is an error of the study.
+/// The load case in each contact element that the study has not chosen, as far as it can run beside `springs`. Nothing of it is an error of the study.
 ///
 /// # Errors
 /// An interruption, and files that cannot be written or removed.
-pub(crate) fn other_element(
+pub(crate) fn other_elements(
     engine: &mut Engine<'_>,
     solids: &mut Solids<'_>,
     (input, name, scenario): (SimpleRunInput<'_>, &str, &StudyScenario),
     springs: &SpringsRecord,
     laws: Option<&StiffnessByAngleRecord>,
-) -> Result<Other> {
+) -> Result<Vec<Other>> {
     let chosen = springs::element(springs);
-    let element = chosen.other();
-    let run = match springs::in_other_element(springs, laws) {
-        Ok(springs) => {
-            let solids = &mut *solids;
-            engine.get(&mut SimulateOther(Simulate { solids, input, name, scenario, springs: &springs }))?
-        }
-        Err(reason) => Err(reason),
-    };
+    let mut others = Vec::new();
+    for element in chosen.others() {
+        let run = match springs::in_element(springs, laws, element) {
+            Ok(springs) => {
+                let solids = &mut *solids;
+                engine.get(&mut SimulateOther(Simulate {
+                    solids,
+                    input,
+                    name,
+                    scenario,
+                    springs: &springs,
+                }))?
+            }
+            Err(reason) => Err(reason),
+        };
+        others.push(Other { element, run });
+    }
     // what an earlier command has left of an element that does not run beside this one
-    let gone = [Some(chosen), run.is_err().then_some(element)].into_iter().flatten();
-    let gone: Vec<String> =
-        gone.flat_map(|element| history_files(solids.input.main_case, name, of_element(element))).collect();
+    let failed = others.iter().filter(|other| other.run.is_err()).map(|other| other.element);
+    let gone: Vec<String> = [chosen]
+        .into_iter()
+        .chain(failed)
+        .flat_map(|element| history_files(solids.input.main_case, name, of_element(element)))
+        .collect();
     engine.results.withdraw(&gone, &OF_THE_RUNS)?;
-    Ok(Other { element, run })
+    Ok(others)
 }
 
 /// A run as an artefact, with the one that has a larger input.

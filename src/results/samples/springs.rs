@@ -1,4 +1,4 @@
-//! Made-up springs: the calibration and the laws by contact angle.
+//! Made-up springs: the calibration, the laws by contact angle, and a lumped element.
 
 use railspring_calibrate::law::{Solid, StiffnessLaw, fit_forms};
 use railspring_profiles::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE};
@@ -7,6 +7,9 @@ use crate::results::bodies::record::{
     BodyMeshRecord, FindingRecord, GroupRecord, NamedRecord, ProfileRecord,
 };
 use crate::results::bodies::touch::{HertzRecord, TouchRecord};
+use crate::results::by_angle::lumped::{
+    BushingRecord, HubRecord, LinearStripRecord, LumpedRecord, OscillatorRecord,
+};
 use crate::results::by_angle::record::{
     AngleLawRecord, ContactRecord, FixedLoadRecord, FixedReferenceRecord, ShiftRecord, ShiftTouchRecord,
     StiffnessByAngleRecord,
@@ -291,6 +294,8 @@ pub(crate) fn by_angle() -> StiffnessByAngleRecord {
         hub_um_per_kn: [13.0, -0.002 * angle, 3.0 * force.powf(-0.3)],
         condensed_hub_um_per_kn: Some([12.9, -0.003 * angle, 3.1 * force.powf(-0.3)]),
         condensed_displacement_mm: Some(0.0101 * force.powf(0.7)),
+        lumped_hub_um_per_kn: Some([12.8, -0.004 * angle, 3.2 * force.powf(-0.3)]),
+        lumped_displacement_mm: Some(0.0103 * force.powf(0.7)),
         published_hub_um_per_kn: Some([12.5, 0.0, 2.5 * force.powf(-0.3)]),
         published_displacement_mm: Some(0.008 * force.powf(0.7)),
         horizontal_kn_per_m: 4e5,
@@ -325,6 +330,7 @@ pub(crate) fn by_angle() -> StiffnessByAngleRecord {
     };
     StiffnessByAngleRecord {
         element: None,
+        lumped: None,
         element_missing: None,
         study: "sample".into(),
         friction: 0.5,
@@ -339,5 +345,40 @@ pub(crate) fn by_angle() -> StiffnessByAngleRecord {
         version: "0.1.0".into(),
         commit: "commit 0123456789ab".into(),
         content_blake3: String::new(),
+    }
+}
+
+/// A lumped element of two oscillators.
+pub(crate) fn lumped() -> LumpedRecord {
+    let oscillator = |frequency_hz: f64, coupling_kg: [f64; 2]| OscillatorRecord {
+        frequency_hz,
+        rim_lateral: 0.1,
+        rim_turn_per_m: -0.3,
+        coupling_kg,
+        coupling_turn_kg_m: -4.2,
+    };
+    let bushing = |turn_knm_per_rad: f64| BushingRecord {
+        lateral_kn_per_m: 1.5e6,
+        vertical_kn_per_m: 6.9e6,
+        turn_knm_per_rad,
+        height_mm: 119.0,
+    };
+    let strip = |rail_s_mm: f64| LinearStripRecord { rail_s_mm, modulus_gpa: 120.0, tangential_gpa: 100.0 };
+    LumpedRecord {
+        hub: HubRecord {
+            mass_kg: 307.8,
+            inertia_kg_m2: 18.7,
+            gravity_centre_mm: [-5.0, 0.5],
+            centre_mm: [0.0, -429.0],
+        },
+        oscillators: vec![oscillator(188.0, [0.0, 0.3]), oscillator(265.0, [-15.5, 0.0])],
+        rim_offset_mm: 2.0,
+        bushing: bushing(1.9e3),
+        bushing_on_section: bushing(1.6e3),
+        held_end: None,
+        strips: vec![strip(0.0), strip(1.0)],
+        strips_max_rel_error: 0.2,
+        displacement: None,
+        section_misfit: [0.01, 0.05],
     }
 }

@@ -1,7 +1,7 @@
-//! The two verdicts of a study in words: for which loads and which use the condensed element holds, and for which the springs do.
+//! The verdicts of a study in words: for which loads and which use each contact element holds, and for which the springs do.
 
-use crate::results::by_angle::record::ShiftRecord;
 use crate::results::by_angle::record::StiffnessByAngleRecord;
+use crate::results::by_angle::record::{FixedLoadRecord, ShiftRecord};
 use crate::results::run::stage::Runs;
 use crate::results::springs::form::OffRecord;
 use crate::results::springs::record::StiffnessRecord;
@@ -22,10 +22,8 @@ pub(crate) struct Judging<'a> {
 impl Judging<'_> {
     /// The verdicts that have lines, the one that decides first.
     pub fn verdicts(&self, record: &VerificationRecord) -> Vec<VerdictOn> {
-        let mut all: Vec<VerdictOn> = [VerdictSubject::Element, VerdictSubject::Springs]
-            .into_iter()
-            .filter_map(|on| self.verdict(record, on))
-            .collect();
+        let mut all: Vec<VerdictOn> =
+            VerdictSubject::ALL.into_iter().filter_map(|on| self.verdict(record, on)).collect();
         all.sort_by_key(|of| of.on != record.decides);
         all
     }
@@ -37,7 +35,8 @@ impl Judging<'_> {
         }
         let (mut holds_for, mut not_for) = (Vec::new(), Vec::new());
         let (statics, loads) = match on {
-            VerdictSubject::Element => (&record.statics, self.loads_of_element()),
+            VerdictSubject::Element => (&record.statics, self.loads_of_element(on)),
+            VerdictSubject::Lumped => (&record.lumped_statics, self.loads_of_element(on)),
             VerdictSubject::Springs => (&record.calibration, self.loads_of_law()),
         };
         // the law has loads for which it holds, and says so instead of failing as a whole
@@ -88,11 +87,10 @@ impl Judging<'_> {
         ))
     }
 
-    /// Loads and shifts at which the element's hub was compared with the solid's.
-    fn loads_of_element(&self) -> Option<String> {
+    /// Loads and shifts at which an element's hub was compared with the solid's.
+    fn loads_of_element(&self, on: VerdictSubject) -> Option<String> {
         let shifts = &self.by_angle?.shifts;
-        let compared =
-            |shift: &&ShiftRecord| shift.loads.iter().any(|load| load.condensed_hub_um_per_kn.is_some());
+        let compared = |shift: &&ShiftRecord| shift.loads.iter().any(|load| hub(load, on).is_some());
         let compared: Vec<_> = shifts.iter().filter(compared).collect();
         let (first, last) = (compared.first()?, compared.last()?);
         let loads = compared.iter().flat_map(|shift| &shift.loads).map(|load| load.force_kn);
@@ -139,13 +137,25 @@ fn reason(line: &Line) -> String {
     }
 }
 
-/// Where the hub of the condensed element is most flexible or most stiff beside that of the solid: lateral, coupling and vertical, each with
+/// Flexibility of the hub of the condensed or the lumped element, µm/kN.
+fn hub(load: &FixedLoadRecord, on: VerdictSubject) -> Option<[f64; 3]> {
+    match on {
+        VerdictSubject::Lumped => load.lumped_hub_um_per_kn,
+        _ => load.condensed_hub_um_per_kn,
+    }
+}
+
+/// Where the hub of the condensed or the lumped element is most flexible or most stiff beside that of the solid: lateral, coupling and vertical, each with
 /// its shift (mm) and load (kN), among the loads that one contact carries, or that two share. The coupling is over the geometric mean of the other two.
-pub(crate) fn hub_deviations(laws: &StiffnessByAngleRecord, shared: bool) -> [Option<(f64, f64, f64)>; 3] {
+pub(crate) fn hub_deviations(
+    laws: &StiffnessByAngleRecord,
+    on: VerdictSubject,
+    shared: bool,
+) -> [Option<(f64, f64, f64)>; 3] {
     let mut farthest = [None::<(f64, f64, f64)>; 3];
     for shift in &laws.shifts {
         for load in shift.loads.iter().filter(|load| (load.contacts.len() > 1) == shared) {
-            let Some(own) = load.condensed_hub_um_per_kn else { continue };
+            let Some(own) = hub(load, on) else { continue };
             let solid = load.hub_um_per_kn;
             let scales = [solid[0], (solid[0] * solid[2]).sqrt(), solid[2]];
             for n in 0..3 {
@@ -184,7 +194,7 @@ mod tests {
         loads[0].condensed_hub_um_per_kn = Some([4.08, -0.5, 1.0]);
         loads[1].condensed_hub_um_per_kn = Some([4.0, -0.6, 1.01]);
         let [first, second] = [loads[0].force_kn, loads[1].force_kn];
-        let found = hub_deviations(&laws, false).map(Option::unwrap);
+        let found = hub_deviations(&laws, VerdictSubject::Element, false).map(Option::unwrap);
         for ((off, _, load), (expected, at)) in
             found.into_iter().zip([(0.02, first), (0.05, second), (0.01, second)])
         {
@@ -192,14 +202,18 @@ mod tests {
         }
         loads = laws.shifts.iter_mut().flat_map(|shift| &mut shift.loads).collect();
         loads.iter_mut().for_each(|load| load.condensed_hub_um_per_kn = None);
-        assert_eq!(hub_deviations(&laws, false), [None; 3]);
+        assert_eq!(hub_deviations(&laws, VerdictSubject::Element, false), [None; 3]);
         let shift = laws.shifts.iter_mut().find(|shift| shift.loads.len() > 1).unwrap();
         let at = (shift.shift_mm, shift.loads[0].force_kn);
         let both = shift.loads[0].contacts[0];
         shift.loads[0].contacts.push(both);
         shift.loads[0].condensed_hub_um_per_kn = Some([4.0, -0.5, 1.04]);
-        assert_eq!(hub_deviations(&laws, false), [None; 3], "two contacts share the load");
-        let [.., Some((off, shift_mm, load))] = hub_deviations(&laws, true) else {
+        assert_eq!(
+            hub_deviations(&laws, VerdictSubject::Element, false),
+            [None; 3],
+            "two contacts share the load"
+        );
+        let [.., Some((off, shift_mm, load))] = hub_deviations(&laws, VerdictSubject::Element, true) else {
             panic!("the shared load")
         };
         assert!((off - 0.04).abs() < ROUNDOFF && (shift_mm, load) == at, "{off}");

@@ -24,9 +24,9 @@ pub(crate) fn loads_used(runs: &[(String, Runs)]) -> Option<[f64; 2]> {
     let published = |runs: &'_ Runs| -> Option<Vec<f64>> {
         let condensed =
             |run: &Run| run.record.springs.as_ref().is_some_and(|springs| springs.element_blake3.is_some());
-        let run = [Some(&runs.simple), runs.other.run.as_ref().ok()]
+        let run = [&runs.simple]
             .into_iter()
-            .flatten()
+            .chain(runs.others.iter().filter_map(|other| other.run.as_ref().ok()))
             .find(|run| !condensed(run))?;
         let touching = run.history.rows.iter().skip(1).filter(|row| !row.contacts.is_empty());
         Some(touching.map(|row| (row.vertical_force / KILONEWTON).max(0.0)).collect())

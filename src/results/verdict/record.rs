@@ -17,10 +17,10 @@ pub struct VerificationRecord {
     pub study: String,
     /// Whether every line of the verdict that decides holds; the exit code says so.
     pub holds: bool,
-    /// Which of the two verdicts that is: on what the load cases ran with, or without load cases on the springs.
+    /// Which of the verdicts that is: on what the load cases ran with, or without load cases on the springs.
     #[serde(default)]
     pub decides: VerdictSubject,
-    /// Both verdicts in words: the condensed element, if the study has one, and the springs.
+    /// The verdicts in words: the condensed and the lumped element, if the study has them, and the springs.
     #[serde(default)]
     pub verdicts: Vec<VerdictOn>,
     /// Limits of the study that are not the default ones.
@@ -31,6 +31,9 @@ pub struct VerificationRecord {
     /// Lines on the condensed element under static loads.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub statics: Vec<Line>,
+    /// The same on the lumped element.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub lumped_statics: Vec<Line>,
     /// The load cases.
     pub scenarios: Vec<ScenarioVerdict>,
     /// The files that were compared, each with the BLAKE3 hash of its content.
@@ -50,25 +53,32 @@ pub struct VerificationRecord {
 pub enum VerdictSubject {
     /// The condensed contact element: its statics, and the load cases with it.
     Element,
+    /// The lumped contact element that other programs can enter: its statics, and the load cases with it.
+    Lumped,
     /// The springs that other programs take: the law, the horizontal stiffness, and the load cases with the published element.
     #[default]
     Springs,
 }
 
 impl VerdictSubject {
+    /// All of them.
+    pub(crate) const ALL: [Self; 3] = [Self::Element, Self::Lumped, Self::Springs];
+
     /// Its name in lists.
     pub fn name(self) -> &'static str {
         match self {
             Self::Element => "element",
+            Self::Lumped => "lumped",
             Self::Springs => "springs",
         }
     }
 
     /// The contact element of its load cases.
-    fn contact_element(self) -> &'static str {
+    pub(crate) fn contact_element(self) -> ContactElementKey {
         match self {
-            Self::Element => "condensed",
-            Self::Springs => "published",
+            Self::Element => ContactElementKey::Condensed,
+            Self::Lumped => ContactElementKey::Lumped,
+            Self::Springs => ContactElementKey::Published,
         }
     }
 }
@@ -136,7 +146,7 @@ pub struct ScenarioVerdict {
     /// The quantities that were compared, if both models ran.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub compared: Option<Compared>,
-    /// Both contact elements of the simple model, that of the study first.
+    /// The contact elements of the simple model, that of the study first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub elements: Vec<ElementVerdict>,
 }
@@ -144,9 +154,9 @@ pub struct ScenarioVerdict {
 /// A contact element of the simple model on one load case.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ElementVerdict {
-    /// `condensed` or `published`.
+    /// `condensed`, `lumped` or `published`.
     pub element: String,
-    /// The run of the element that the study has not chosen; that of the chosen one is `simple`.
+    /// The run of an element that the study has not chosen; that of the chosen one is `simple`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub run: Option<RunRecord>,
     /// Why the element has no run.
@@ -155,7 +165,7 @@ pub struct ElementVerdict {
     /// How far it is from the solid, if both ran.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub differences: Option<ElementDifferences>,
-    /// The lines on the element that the study has not chosen; those of the chosen one are the load case's.
+    /// The lines on an element that the study has not chosen; those of the chosen one are the load case's.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub lines: Vec<Line>,
 }
@@ -208,8 +218,8 @@ impl From<&Comparison> for ElementDifferences {
 
 impl ScenarioVerdict {
     /// The lines on a contact element; none where it did not run.
-    fn lines_of(&self, element: &str) -> &[Line] {
-        match self.elements.iter().position(|of| of.element == element) {
+    fn lines_of(&self, element: ContactElementKey) -> &[Line] {
+        match self.elements.iter().position(|of| of.element == element.name()) {
             Some(0) => &self.lines,
             Some(n) => &self.elements[n].lines,
             None if self.elements.is_empty() => &self.lines,
@@ -219,7 +229,7 @@ impl ScenarioVerdict {
 }
 
 impl VerificationRecord {
-    /// The lines of the verdict that decides, with their subjects: `springs` or `element`, then the scenarios.
+    /// The lines of the verdict that decides, with their subjects: `springs`, `element` or `lumped`, then the scenarios.
     pub fn lines(&self) -> impl Iterator<Item = (&str, &Line)> {
         self.lines_on(self.decides)
     }
@@ -228,6 +238,7 @@ impl VerificationRecord {
     pub fn lines_on(&self, on: VerdictSubject) -> impl Iterator<Item = (&str, &Line)> {
         let statics = match on {
             VerdictSubject::Element => &self.statics,
+            VerdictSubject::Lumped => &self.lumped_statics,
             VerdictSubject::Springs => &self.calibration,
         };
         let scenarios = self.scenarios.iter().flat_map(move |s| {

@@ -13,7 +13,8 @@ use crate::engine::store::{Address, Artefact};
 use crate::results::by_angle::record::{BY_ANGLE, StiffnessByAngleRecord};
 use crate::results::names::{OF_THE_VERDICT, STIFFNESS, VERIFICATION};
 use crate::results::run::record::{RUN_NOTE, RunRecord};
-use crate::results::run::stage::{Run, Runs, SIMPLE, SOLID, history_files, of_element};
+use crate::results::run::springs;
+use crate::results::run::stage::{Other, Run, Runs, SIMPLE, SOLID, history_files, of_element};
 use crate::results::springs::record::StiffnessRecord;
 use crate::results::verdict::input::VerdictInput;
 use crate::results::verdict::judged::{Judging, hub_deviations, place};
@@ -53,7 +54,7 @@ impl Stage for Verify<'_> {
     fn make(&mut self, engine: &mut Engine<'_>) -> Result<Made> {
         let input = &self.input;
         let mut scenarios = Vec::new();
-        for (name, Runs { simple, other, solid }) in self.runs {
+        for (name, Runs { simple, others, solid }) in self.runs {
             let compared = |run: &Run| {
                 let solid = solid.as_ref()?;
                 Some(verify::compare(&run.model(), &solid.model(), input.limits))
@@ -61,21 +62,25 @@ impl Stage for Verify<'_> {
             let comparison = compared(simple).transpose()?;
             let own = ElementVerdict {
                 differences: comparison.as_ref().map(ElementDifferences::from),
-                ..ElementVerdict::of(other.element.other())
+                ..ElementVerdict::of(chosen(simple))
             };
-            let of_other = ElementVerdict::of(other.element);
-            let other = match &other.run {
-                Ok(run) => {
-                    let comparison = compared(run).transpose()?;
-                    ElementVerdict {
-                        run: Some(run.record.clone()),
-                        differences: comparison.as_ref().map(ElementDifferences::from),
-                        lines: comparison.map_or_else(|| verify::run_lines(&run.history, None), |c| c.lines),
-                        ..of_other
+            let mut elements = vec![own];
+            for Other { element, run } in others {
+                let of_other = ElementVerdict::of(*element);
+                elements.push(match run {
+                    Ok(run) => {
+                        let comparison = compared(run).transpose()?;
+                        ElementVerdict {
+                            run: Some(run.record.clone()),
+                            differences: comparison.as_ref().map(ElementDifferences::from),
+                            lines: comparison
+                                .map_or_else(|| verify::run_lines(&run.history, None), |c| c.lines),
+                            ..of_other
+                        }
                     }
-                }
-                Err(reason) => ElementVerdict { missing: Some(reason.clone()), ..of_other },
-            };
+                    Err(reason) => ElementVerdict { missing: Some(reason.clone()), ..of_other },
+                });
+            }
             let (lines, not_applicable, compared) = match comparison {
                 Some(c) => (c.lines, c.not_applicable, Some(c.compared)),
                 None => (verify::run_lines(&simple.history, None), Vec::new(), None),
@@ -87,23 +92,33 @@ impl Stage for Verify<'_> {
                 lines,
                 not_applicable,
                 compared,
-                elements: vec![own, other],
+                elements,
             });
         }
-        let all_condensed = !self.runs.is_empty() && self.runs.iter().all(|(_, runs)| is_condensed(runs));
+        let all_with = |element| {
+            !self.runs.is_empty() && self.runs.iter().all(|(_, runs)| chosen(&runs.simple) == element)
+        };
+        let decides = [VerdictSubject::Element, VerdictSubject::Lumped]
+            .into_iter()
+            .find(|on| all_with(on.contact_element()))
+            .unwrap_or(VerdictSubject::Springs);
+        let of_solids = |on: VerdictSubject| {
+            let laws = self.by_angle.filter(|laws| laws.element.is_some());
+            self.stiffness
+                .zip(laws)
+                .map_or_else(Vec::new, |(record, laws)| statics_lines(input.limits, record, laws, on))
+        };
         let mut verdict = VerificationRecord {
             study: input.name.into(),
             holds: false,
-            decides: if all_condensed { VerdictSubject::Element } else { VerdictSubject::Springs },
+            decides,
             verdicts: Vec::new(),
             changed_limits: input.limits.changed(),
             calibration: self
                 .stiffness
                 .map_or_else(Vec::new, |record| calibration_lines(input, record, loads_used(self.runs))),
-            statics: self
-                .stiffness
-                .zip(self.by_angle.filter(|laws| laws.element.is_some()))
-                .map_or_else(Vec::new, |(record, laws)| statics_lines(input.limits, record, laws)),
+            statics: of_solids(VerdictSubject::Element),
+            lumped_statics: of_solids(VerdictSubject::Lumped),
             scenarios,
             input_hash: String::new(),
             inputs: contents(inputs(input, &engine.results, self.stiffness.is_some())),
@@ -164,7 +179,7 @@ fn inputs(input: &VerdictInput<'_>, results: &Results<'_>, with_stiffness: bool)
         };
         let solid = if scenario.solid { files(SOLID) } else { Vec::new() };
         // those of the element that does not run are not there
-        let others = [ContactElementKey::Condensed, ContactElementKey::Published].map(of_element);
+        let others = ContactElementKey::ALL.map(of_element);
         let others = others.iter().flat_map(|[file, disturbed]| files([file, disturbed]));
         files(SIMPLE).into_iter().chain(others.collect::<Vec<_>>()).chain(solid)
     });
@@ -194,9 +209,9 @@ fn published_line(wheel: &Wheel, line: Line) -> Line {
     ))
 }
 
-/// Whether the study's simple model ran with the condensed element.
-fn is_condensed(runs: &Runs) -> bool {
-    runs.simple.record.springs.as_ref().is_some_and(|springs| springs.element_blake3.is_some())
+/// Contact element of a run of the simple model.
+fn chosen(run: &Run) -> ContactElementKey {
+    run.record.springs.as_ref().map_or(ContactElementKey::Published, springs::element)
 }
 
 /// That the springs have all loads of the study, as a line.
@@ -232,18 +247,22 @@ fn calibration_lines(
     lines.into_iter().chain(against_published).collect()
 }
 
-/// Lines of the verdict on the condensed element under static loads: what the load cases do not see.
+/// Lines of the verdict on the condensed or the lumped element under static loads: what the load cases do not see.
 pub fn statics_lines(
     limits: &Limits,
     stiffness: &StiffnessRecord,
     laws: &StiffnessByAngleRecord,
+    on: VerdictSubject,
 ) -> Vec<Line> {
     const DIRECTIONS: [&str; 3] = [
         "Lateral flexibility of the element's hub (yy), largest difference from the solid over shifts and loads of one contact",
         "Lateral flexibility of the element's hub under vertical forces (yz), largest difference over shifts and loads of one contact",
         "Vertical flexibility of the element's hub (zz), largest difference from the solid over shifts and loads of one contact",
     ];
-    let farthest = laws.element.as_ref().and_then(|element| element.displacement);
+    let farthest = match on {
+        VerdictSubject::Lumped => laws.lumped.as_ref().and_then(|element| element.displacement),
+        _ => laws.element.as_ref().and_then(|element| element.displacement),
+    };
     let displacement = limits.law_displacement();
     let displacement = Criterion {
         meaning: "Displacement of the element's hub along the contact normal, largest difference over that under the largest load",
@@ -254,7 +273,7 @@ pub fn statics_lines(
         Some(at) => displacement.noted(place(at.shift_mm, at.force_kn)),
         None => displacement.noted("no place and load has a displacement of both"),
     };
-    let of_both = hub_deviations(laws, false).into_iter().zip(hub_deviations(laws, true));
+    let of_both = hub_deviations(laws, on, false).into_iter().zip(hub_deviations(laws, on, true));
     let hub = of_both.zip(DIRECTIONS).map(|((farthest, shared), meaning)| {
         let line = Criterion { meaning, ..limits.hub_compliance() }.line(farthest.map(|(off, ..)| off));
         match farthest {

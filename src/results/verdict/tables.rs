@@ -99,7 +99,7 @@ pub(crate) fn endings(run: &ScenarioRun<'_>) -> Vec<String> {
         .collect()
 }
 
-/// Both contact elements beside the solid, as rows of text; none without a solid run.
+/// The contact elements beside the solid, as rows of text; none without a solid run.
 pub(crate) fn elements(judged: &ScenarioVerdict) -> Vec<Vec<String>> {
     let none = || "\u{2013}".to_string();
     let percent = |value: Option<f64>| value.map_or_else(none, |v| format!("{:.1} %", 1e2 * v));

@@ -14,6 +14,7 @@ use crate::results::verdict::reasons::reason;
 use crate::results::verdict::record::{
     ElementVerdict, ScenarioVerdict, VerdictOn, VerdictSubject, VerificationRecord,
 };
+use crate::rounding::significant;
 use crate::verify::{self, Band, Carrying, ChangedLimit, Limits, Spread, Worth, compare};
 
 fn build_sample() -> Report {
@@ -117,6 +118,7 @@ fn verdict(simple: &History, solid: &History) -> VerificationRecord {
         changed_limits: vec![ChangedLimit { key: "law_max".into(), limit: 0.4, default: 0.15 }],
         calibration: Vec::new(),
         statics: Vec::new(),
+        lumped_statics: Vec::new(),
         scenarios: vec![scenario],
         inputs: [("history.csv".to_string(), "ab".repeat(32))].into(),
         input_hash: "cd".repeat(32),
@@ -404,6 +406,24 @@ fn both_elements_stand_beside_the_solid() {
         tables::missing_elements(&judged),
         ["The published element has no run: step 7 does not converge."]
     );
+}
+
+/// Goal: the first screen has a row for each form of the contact element that was compared, the published one first, with the differences of its load case.
+#[test]
+fn the_first_screen_says_what_each_form_loses() {
+    let html = build_sample().html;
+    let screen = html.split("<h3>Valid for</h3>").next().unwrap();
+    let judged = verdict(&samples::history(0.001), &samples::history(0.0)).scenarios.remove(0);
+    let mut after = 0;
+    for name in ["published", "condensed"] {
+        let of = judged.elements.iter().find(|of| of.element == name).unwrap().differences.unwrap();
+        let p = significant(1e2 * of.vertical_rms.unwrap(), 2);
+        let row = format!("<tr><td>sample</td><td>{name}</td><td class=\"n\">{p} %</td>");
+        let at = screen.find(&row).unwrap_or_else(|| panic!("{row}"));
+        assert!(at > after);
+        after = at;
+    }
+    assert!(!screen.contains("<td>lumped</td>"));
 }
 
 /// Goal: a sealed record is as written after it was read from its file, in another layout too; with any number, text or hash changed it is not.

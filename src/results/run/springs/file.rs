@@ -17,7 +17,7 @@ use crate::results::by_angle::record::{BY_ANGLE, StiffnessByAngleRecord};
 use crate::results::run::input::SpringsInput;
 use crate::results::run::record::{SpringsRecord, SpringsSource};
 use crate::results::run::springs::accepted::{ACCEPTED, accepted_reference};
-use crate::results::run::springs::contact_element::with_element;
+use crate::results::run::springs::contact_element::{of_laws, with_element};
 use crate::results::run::springs::in_si::springs;
 use crate::results::run::springs::of_study::{law_of_form, own, own_springs, revolved_mass, wheel_is_known};
 use crate::results::run::springs::written::{WrittenLaw, given};
@@ -76,7 +76,7 @@ pub fn from_file(input: &SpringsInput<'_>, geometry: &Geometry, path: &Path) -> 
     } else {
         (parsed(&name, &text)?, None)
     };
-    let laws = (input.element == ContactElementKey::Condensed).then(|| laws_beside(input, path));
+    let laws = (input.element != ContactElementKey::Published).then(|| laws_beside(input, path));
     let (laws, without_laws) = match laws {
         Some(Err(error)) if input.simulation.element.is_some() || broken_beside(path) => return Err(error),
         // a law by hand has none beside it, and runs as springs
@@ -148,13 +148,15 @@ pub fn from_file(input: &SpringsInput<'_>, geometry: &Geometry, path: &Path) -> 
         reference: law.reference,
         range_kn: law.range_kn,
         beam: of_pair.map_or_else(BeamFactors::default, |calibration| calibration.beam.factors),
+        contact_element: ContactElementKey::Published,
         element_blake3: None,
         element_displacement: None,
         element: None,
         notes,
     };
     check(&name, &record)?;
-    Ok(match laws.and_then(|laws| laws.element) {
+    let element = laws.and_then(|laws| of_laws(Some(&laws), input.element).ok().flatten());
+    Ok(match element {
         Some(element) => with_element(record, element),
         None => record,
     })
@@ -184,7 +186,7 @@ fn edited(name: &str) -> String {
     format!("{name} was edited after it was written: its numbers are not those of a calibration")
 }
 
-/// The laws by contact angle beside a law file, of the study's own pair, for its condensed element.
+/// The laws by contact angle beside a law file, of the study's own pair, for its condensed or lumped element.
 fn laws_beside(input: &SpringsInput<'_>, path: &Path) -> Result<StiffnessByAngleRecord> {
     laws_of(input, &path.with_file_name(BY_ANGLE))
 }
@@ -232,6 +234,9 @@ fn read_laws(path: &Path) -> Result<StiffnessByAngleRecord> {
         })?;
     if let Some(element) = &laws.element {
         element.check(&name)?;
+    }
+    if let Some(lumped) = &laws.lumped {
+        lumped.check(&name)?;
     }
     Ok(laws)
 }

@@ -3,7 +3,6 @@
 use railspring_calibrate::law::NormalLaw;
 use railspring_profiles::error::Result;
 use railspring_profiles::units::KILONEWTON_PER_METRE;
-use railspring_simulate::element::condensed::parts::PairElement;
 
 use crate::results::run::make::Springs;
 use crate::results::run::record::SpringsRecord;
@@ -18,6 +17,6 @@ pub fn springs(record: &SpringsRecord) -> Result<Springs> {
         horizontal: record.horizontal_kn_per_m * KILONEWTON_PER_METRE,
         wheel_mass: record.wheel_mass_kg,
         beam: record.beam.into(),
-        element: record.element.as_deref().map(PairElement::from),
+        element: record.element.as_deref().map(|element| (element.key(), element.into())),
     })
 }

@@ -10,13 +10,13 @@ use crate::results::by_angle::record::StiffnessByAngleRecord;
 use crate::results::run::input::SpringsInput;
 use crate::results::run::record::{SpringsRecord, SpringsSource};
 use crate::results::run::springs::accepted::accepted_reference;
-use crate::results::run::springs::contact_element::with_element;
+use crate::results::run::springs::contact_element::{of_laws, with_element};
 use crate::results::springs::form::NormalLawRecord;
 use crate::results::springs::record::{BeamFactors, StiffnessRecord};
 use crate::study::{ContactElementKey, LawKey};
 
-/// The springs that a study has calibrated, or the published law if it says so, with the condensed element of its laws by contact angle if
-/// its simple model has that.
+/// The springs that a study has calibrated, or the published law if it says so, with the condensed or the lumped element of its laws by contact angle if
+/// its simple model has one.
 ///
 /// # Errors
 /// As [`check_reference`](super::check_reference); and laws without an element.
@@ -26,19 +26,19 @@ pub fn own(
     laws: Option<&StiffnessByAngleRecord>,
 ) -> Result<SpringsRecord> {
     let springs = own_springs(input, stiffness)?;
-    if input.element == ContactElementKey::Published {
-        return Ok(springs);
-    }
-    let element = laws.and_then(|laws| laws.element.clone()).ok_or_else(|| {
-        let reason = laws.and_then(|laws| laws.element_missing.as_deref());
+    let element = of_laws(laws, input.element).map_err(|reason| {
+        let name = input.element.name();
         InputError::new(
             "simulation.element",
-            "\"condensed\"",
-            format!("a condensed element: {}", reason.unwrap_or("there are no laws by contact angle")),
+            format!("{name:?}"),
+            format!("a {name} element: {reason}"),
             "calibrate again, or take element = \"published\"",
         )
     })?;
-    Ok(with_element(springs, element))
+    Ok(match element {
+        Some(element) => with_element(springs, element),
+        None => springs,
+    })
 }
 
 /// The published law with a horizontal stiffness (kN/m), a mass of the wheel (kg) and factors of the rail beam.
@@ -51,6 +51,7 @@ fn published(horizontal_kn_per_m: f64, wheel_mass_kg: f64, beam: BeamFactors) ->
         reference: None,
         range_kn: None,
         beam,
+        contact_element: ContactElementKey::Published,
         element_blake3: None,
         element_displacement: None,
         element: None,
@@ -132,6 +133,7 @@ pub(super) fn own_springs(input: &SpringsInput<'_>, stiffness: &StiffnessRecord)
         reference: Some(stiffness.reference.clone()),
         range_kn: Some(stiffness.law.range_kn),
         beam: stiffness.beam.factors,
+        contact_element: ContactElementKey::Published,
         element_blake3: None,
         element_displacement: None,
         element: None,

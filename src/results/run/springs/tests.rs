@@ -12,13 +12,14 @@ use crate::engine::output::to_json;
 use crate::engine::seal::Sealed;
 use crate::results::bodies::geometry;
 use crate::results::by_angle::element::{ElasticWheelRecord, ElementRecord, StripRecord};
+use crate::results::by_angle::lumped::LumpedRecord;
 use crate::results::by_angle::record::{BY_ANGLE, StiffnessByAngleRecord};
 use crate::results::run::input::SpringsInput;
-use crate::results::run::record::SpringsSource;
+use crate::results::run::record::{SolidElementRecord, SpringsSource};
 use crate::results::samples;
 use crate::results::springs::form::NormalLawRecord;
 use crate::results::springs::record::{BeamRecord, StiffnessRecord};
-use crate::study::Study;
+use crate::study::{ContactElementKey, Study};
 
 /// ROUNDOFF: a power and some products of numbers of order one.
 const ROUNDOFF: f64 = 1e-13;
@@ -125,7 +126,7 @@ fn the_condensed_element_is_that_beside_the_law() {
     std::fs::write(&beside, to_json(&laws)).unwrap();
     for study in [&default, &asking] {
         let springs = read(study).unwrap();
-        assert_eq!(springs.element.as_deref(), Some(&element()));
+        assert_eq!(springs.element.as_deref(), Some(&SolidElementRecord::Condensed(element())));
         assert_eq!(springs.element_blake3.map(|hash| hash.len()), Some(64));
     }
     // what no calibration writes is refused with its key
@@ -161,6 +162,55 @@ fn the_condensed_element_is_that_beside_the_law() {
     assert_eq!(read(&default).unwrap().element_blake3, None);
     let another = read(&asking).unwrap_err().to_string();
     assert!(another.contains("another-pair"), "{another}");
+}
+
+/// Goal: a study that asks for the lumped element has that of the laws by contact angle beside the law, with another hash than the condensed one's and, in SI units, the constants of the file; laws without it,
+/// and constants that no calibration writes, are refused with their key. Springs go from one element to another and back, and the published one needs no laws.
+#[test]
+fn the_lumped_element_is_that_beside_the_law() {
+    let asking = study("[simulation]\nelement = \"lumped\"\n");
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("law.json");
+    std::fs::write(&path, LAW).unwrap();
+    let read = |lumped: Option<LumpedRecord>| {
+        let pair = asking.statics().pair();
+        let laws = StiffnessByAngleRecord { lumped, pair, ..samples::by_angle() };
+        std::fs::write(folder.path().join(BY_ANGLE), to_json(&laws)).unwrap();
+        from_file(&SpringsInput::of(&asking), &geometry::geometry(asking.statics()).unwrap(), &path)
+            .map(|springs| (springs, laws))
+    };
+    let (record, laws) = read(Some(samples::lumped())).unwrap();
+    assert_eq!(element(&record), ContactElementKey::Lumped);
+    assert_eq!(record.element.as_deref(), Some(&SolidElementRecord::Lumped(samples::lumped())));
+    let (key, parts) = springs(&record).unwrap().element.unwrap();
+    assert_eq!((key, parts.wheel.mass[(1, 1)]), (ContactElementKey::Lumped, 307.8));
+    assert_eq!(parts.wheel.modes.len(), 2);
+    assert_eq!(parts.wheel.rest.amax(), 0.0);
+    // k_φ of the bushing against a held section, N·m/rad
+    assert!((parts.head[(2, 2)] * 1.6e6 - 1.0).abs() < ROUNDOFF, "{}", parts.head);
+    let published = in_element(&record, None, ContactElementKey::Published).unwrap();
+    assert_eq!(
+        (element(&published), published.element_blake3.as_ref()),
+        (ContactElementKey::Published, None)
+    );
+    assert_eq!(in_element(&published, Some(&laws), ContactElementKey::Lumped).unwrap(), record);
+    let without = in_element(&record, Some(&laws), ContactElementKey::Condensed).unwrap_err();
+    assert_eq!(without, "there is no condensed element: the laws by contact angle have no condensed element");
+    type Change = fn(&mut LumpedRecord);
+    let changes: [(&str, Change); 6] = [
+        ("lumped.strips", |lumped| lumped.strips.clear()),
+        ("lumped.strips[1].rail_s_mm", |lumped| lumped.strips[1].rail_s_mm = -2.0),
+        ("lumped.strips[0].tangential_gpa", |lumped| lumped.strips[0].tangential_gpa = 0.0),
+        ("lumped.oscillators[1].frequency_hz", |lumped| lumped.oscillators[1].frequency_hz = -1.0),
+        ("lumped.bushing.turn_knm_per_rad", |lumped| lumped.bushing.turn_knm_per_rad = 0.0),
+        ("lumped.hub", |lumped| lumped.hub.mass_kg = 0.0),
+    ];
+    for (key, change) in changes {
+        let mut wrong = samples::lumped();
+        change(&mut wrong);
+        let said = read(Some(wrong)).unwrap_err().to_string();
+        assert!(said.contains(key) && said.contains(BY_ANGLE) && said.contains("calibrate again"), "{said}");
+    }
 }
 
 /// Source: the points of the calibration. Goal: `law = "table"` runs with the tangents (N/m) of the reference in use at its
