@@ -140,7 +140,9 @@ mod tests {
         });
         let figure = statics(&laws).unwrap();
         assert!(squares(&figure) == 0 && !figure.contains("published element"));
-        loads(&mut laws, |load| load.condensed_hub_um_per_kn = None);
+        loads(&mut laws, |load| {
+            (load.condensed_hub_um_per_kn, load.condensed_displacement_mm) = (None, None);
+        });
         assert!(statics(&laws).is_some_and(|figure| !figure.contains("condensed element")));
         loads(&mut laws, |load| load.lumped_hub_um_per_kn = None);
         assert!(statics(&laws).is_none());

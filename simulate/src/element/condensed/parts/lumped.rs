@@ -22,8 +22,8 @@
 
 use super::held_end::{EndPlace, HeldEnd};
 use super::law::StripStiffness;
+use super::pair_element::{HeadOfElement, PairElement};
 use super::wheel::{ElasticWheel, RimMode, positive};
-use super::{HeadOfElement, PairElement};
 use nalgebra::{Matrix3, Vector2, Vector3};
 use std::f64::consts::TAU;
 
