@@ -42,7 +42,6 @@ impl HeadOfElement<'_> {
 impl PairElement {
     /// Flexibility of the head on its rail far from its ends, as [`Self::head`].
     pub fn head_on_rail(&self) -> Matrix3<f64> {
-        let of_rail = self.held_end.as_ref().and_then(|end| end.places.last());
-        of_rail.map_or(self.head, |place| positive(place.flexibility))
+        positive(HeadOfElement { on_section: self.head, held_end: self.held_end.as_ref() }.on_rail())
     }
 }
