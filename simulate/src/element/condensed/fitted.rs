@@ -10,7 +10,7 @@ use railspring_calibrate::pair::Pair;
 use railspring_calibrate::solid::Material;
 use railspring_profiles::error::Result;
 
-use super::lacking::{Hub, missing_in_head};
+use super::lacking::{HeadParts, Hub, OF_BUSHING, WHOLE, missing_in_head};
 use super::model::CondensedModel;
 
 /// How often the laws take up what the hub is off. With 60E1 and S1002, where one contact carries, it comes from 4.7 % of the solids' to 2.0 % with the change of the head and both times.
@@ -27,7 +27,7 @@ pub fn fitted_element(
     laws: Vec<PlaceApproaches>,
     friction: f64,
 ) -> Result<PairElement> {
-    fitted(bodies, rail, laws, friction, ElementBodies::element, PairElement::clone)
+    fitted(bodies, rail, (laws, WHOLE), friction, ElementBodies::element, PairElement::clone)
 }
 
 /// The lumped element of the same.
@@ -40,14 +40,14 @@ pub fn fitted_lumped(
     laws: Vec<PlaceApproaches>,
     friction: f64,
 ) -> Result<LumpedElement> {
-    fitted(bodies, rail, laws, friction, ElementBodies::lumped, |element| element.into())
+    fitted(bodies, rail, (laws, OF_BUSHING), friction, ElementBodies::lumped, |element| element.into())
 }
 
 /// The element that `make` has of bodies and laws and that runs as `parts` say, with what its hub is off taken up.
 fn fitted<'a, E>(
     bodies: &ElementBodies<'a>,
     (beam, materials): (&RailBeam, [&Material; 2]),
-    mut laws: Vec<PlaceApproaches>,
+    (mut laws, head): (Vec<PlaceApproaches>, HeadParts),
     friction: f64,
     make: impl Fn(&ElementBodies<'a>, &[PlaceApproaches]) -> Result<E>,
     parts: impl Fn(&E) -> PairElement,
@@ -70,7 +70,7 @@ fn fitted<'a, E>(
         let hub = |(solid, found)| Some(Hub { solid, found: found?, along: law.along, arm });
         hubs.extend(found.filter_map(hub));
     }
-    let more = missing_in_head(&hubs);
+    let more = missing_in_head(&hubs, head);
     bodies.change_head(&more);
     let mut element = make(&bodies, &laws)?;
     for _ in 0..ROUNDS {
