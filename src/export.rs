@@ -13,12 +13,14 @@ mod deck;
 mod surfaces;
 mod gensys;
 mod contact;
+mod lumped;
 mod format;
 mod table_rows;
 
 use std::path::Path;
 
 use format::files;
+use lumped::LumpedCase;
 use railspring_calibrate::law::Form;
 use railspring_profiles::error::{InputError, Result};
 use serde::Deserialize;
@@ -65,18 +67,51 @@ impl SpringsFile {
     }
 }
 
-/// The files of a format from the `stiffness.json` at `path`: the law against `reference`, that of the study unless one is
-/// named, in the form `law`, that of the format unless one is; `study` is the study of these springs, which [`Format::Gensys`] and [`Format::Contact`] take their profiles from.
+/// What is wanted of springs.
+#[derive(Debug, Clone, Copy)]
+pub struct Wanted<'a> {
+    /// The program or form.
+    pub format: Format,
+    /// What the law's displacement is measured against: that of the study unless one is named.
+    pub reference: Option<&'a str>,
+    /// The form of the law: that of the format unless one is named.
+    pub law: Option<LawForm>,
+    /// The load case of a model.
+    pub case: Option<&'a str>,
+}
+
+impl Wanted<'_> {
+    /// Whether all that was named is for the format.
+    ///
+    /// # Errors
+    /// [`InputError`] with the option.
+    pub fn check(&self) -> Result<()> {
+        let refuse = |option: &str, value: String, expected: &str| {
+            InputError::refuse(option, value, expected, "leave it out, or name another format with --to")
+        };
+        if self.format.is_model() {
+            if let Some(reference) = self.reference {
+                return refuse("--reference", format!("{reference:?}"), "a format with one law");
+            }
+            if let Some(law) = self.law {
+                return refuse("--law", Form::from(law).name().into(), "a format with one law");
+            }
+        } else if let Some(case) = self.case {
+            return refuse("--case", format!("{case:?}"), "a model, whose format begins with lumped-");
+        }
+        Ok(())
+    }
+}
+
+/// The files of a format from the `stiffness.json` at `path`; `study` is the study of these springs, which [`Format::Gensys`], [`Format::Contact`] and models take their profiles from.
 ///
 /// # Errors
-/// [`InputError`] for a reference that the file does not have, a study that is missing or of another pair, and laws by contact angle that
-/// are missing or of another pair.
+/// [`InputError`] for a reference that the file does not have, a study that is missing or of another pair, laws by contact angle that
+/// are missing or of another pair, and a load case that a model cannot have.
 pub fn of_calibration(
     path: &Path,
     record: &StiffnessRecord,
-    format: Format,
-    reference: Option<&str>,
-    law: Option<LawForm>,
+    wanted: Wanted<'_>,
     study: Option<&Study>,
 ) -> Result<Vec<ExportFile>> {
     if let Some(study) = study.filter(|study| study.statics().pair_key() != record.pair.hash) {
@@ -88,9 +123,16 @@ pub fn of_calibration(
         )
         .into());
     }
-    let form = law.map_or(format.usual_form(), Form::from);
-    let spring = Spring::of_calibration(&path.display().to_string(), record, reference, form)?;
-    files(&spring, format, study, || Ok(laws_beside(path, record)?.shifts))
+    if wanted.format.is_model() {
+        let case = LumpedCase::of(study, wanted.case, record, &laws_beside(path, record)?)?;
+        return Ok(match wanted.format {
+            Format::LumpedOpensees => lumped::opensees(&case)?,
+            _ => lumped::exudyn(&case),
+        });
+    }
+    let form = wanted.law.map_or(wanted.format.usual_form(), Form::from);
+    let spring = Spring::of_calibration(&path.display().to_string(), record, wanted.reference, form)?;
+    files(&spring, wanted.format, study, || Ok(laws_beside(path, record)?.shifts))
 }
 
 /// The laws by contact angle beside a `stiffness.json`, of the same pair.

@@ -5,6 +5,7 @@
 //! tool; without them their tests are counted as skipped.
 
 mod programs;
+mod models;
 mod profiles;
 mod rows_of_tables;
 

@@ -8,9 +8,11 @@ mod motion;
 mod rail;
 mod correction;
 mod held;
+mod modes;
 
 pub use element::{BeamElement, deflection_functions};
 pub use factor::{ChainFactor, Meeting, NODE, Node};
 pub use held::HeldRail;
+pub use modes::{SectionMode, SectionModes};
 pub use rail::{End, RailBeam, SectionRows};
 pub use section::{BeamCorrection, BeamSection, Torsion};

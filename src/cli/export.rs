@@ -10,7 +10,7 @@ use super::output::{remark, say};
 use super::set_args::SetArgs;
 use crate::engine::output::OutputFolder;
 use crate::export::{
-    Condition, ExportFile, ExportRow, Format, LawForm, SpringsFile, index, of_calibration, rows,
+    Condition, ExportFile, ExportRow, Format, LawForm, SpringsFile, Wanted, index, of_calibration, rows,
 };
 use crate::results::springs::record::StiffnessRecord;
 use crate::study::Study;
@@ -38,6 +38,9 @@ pub(super) struct ExportArgs {
     /// The form of the law; left out, `table`, but `power` for stem and rose
     #[arg(long, value_name = "FORM")]
     law: Option<LawForm>,
+    /// The load case of the study for a model (lumped-...); left out, its only one
+    #[arg(long, value_name = "NAME")]
+    case: Option<String>,
     /// The study of the springs, or the table of the rows, for formats with profiles
     #[arg(long, value_name = "STUDY")]
     study: Option<PathBuf>,
@@ -46,6 +49,13 @@ pub(super) struct ExportArgs {
     /// Folder to write to, or for a single file its name; left out, the working folder. Several rows go each into a folder there
     #[arg(short, long, value_name = "PATH")]
     output: Option<PathBuf>,
+}
+
+impl ExportArgs {
+    fn wanted(&self) -> Wanted<'_> {
+        let Self { format, law, .. } = *self;
+        Wanted { format, law, reference: self.reference.as_deref(), case: self.case.as_deref() }
+    }
 }
 
 fn condition(text: &str) -> Result<Condition, String> {
@@ -60,6 +70,7 @@ pub(super) fn export(args: &ExportArgs) -> Result<bool, Failure> {
     let refused = |option: &str, expected: &str, remedy: &str| {
         Err(InputError::new(option, "given", expected, remedy).into())
     };
+    args.wanted().check()?;
     let set = args.set.settings();
     match SpringsFile::read(&args.file)? {
         SpringsFile::Calibration(_) if !args.conditions.is_empty() => {
@@ -85,8 +96,7 @@ pub(super) fn export(args: &ExportArgs) -> Result<bool, Failure> {
 fn of_study(args: &ExportArgs, record: &StiffnessRecord) -> Result<bool, Failure> {
     let set = args.set.settings();
     let study = args.study.as_deref().map(|study| Study::read_with(study, set)).transpose()?;
-    let files =
-        of_calibration(&args.file, record, args.format, args.reference.as_deref(), args.law, study.as_ref())?;
+    let files = of_calibration(&args.file, record, args.wanted(), study.as_ref())?;
     Ok(write(&files, args.output.as_deref()).map(|()| true)?)
 }
 

@@ -2,7 +2,7 @@
 
 use clap::ValueEnum;
 use railspring_calibrate::law::Form;
-use railspring_profiles::error::Result;
+use railspring_profiles::error::{InputError, Result};
 
 use super::spring::{ExportFile, Spring};
 use super::surfaces::Surfaces;
@@ -36,6 +36,10 @@ pub enum Format {
     Modelica,
     /// The law, its points and those of the solid model as JSON
     Json,
+    /// The lumped element with a load case as a model of Exudyn; with --study
+    LumpedExudyn,
+    /// The lumped element with a load case as a model of OpenSees; with --study
+    LumpedOpensees,
 }
 
 /// The form of the law that is exported.
@@ -63,6 +67,16 @@ impl From<LawForm> for Form {
 }
 
 impl Format {
+    /// Whether it is a model with a load case, and not one law.
+    pub fn is_model(self) -> bool {
+        matches!(self, Self::LumpedExudyn | Self::LumpedOpensees)
+    }
+
+    /// Its name on the command line.
+    fn name(self) -> String {
+        self.to_possible_value().map_or_else(String::new, |value| value.get_name().into())
+    }
+
     /// The form of the law where none is named: a power for what takes nothing else, else the table, which has the solid model's own tangents.
     pub fn usual_form(self) -> Form {
         match self {
@@ -72,7 +86,7 @@ impl Format {
     }
 }
 
-/// The files of a format; `by_angle` has the laws by contact angle.
+/// The files of a format of one law; `by_angle` has the laws by contact angle. Those of the lumped element are not made from one law.
 pub(super) fn files(
     spring: &Spring,
     format: Format,
@@ -94,5 +108,13 @@ pub(super) fn files(
         Format::Matlab => vec![columns::matlab(spring)],
         Format::Modelica => vec![columns::modelica(spring)],
         Format::Json => vec![columns::as_json(spring)],
+        Format::LumpedExudyn | Format::LumpedOpensees => {
+            return InputError::refuse(
+                "--to",
+                format.name(),
+                "springs of a study, with its laws by contact angle and its load case",
+                "export from the stiffness.json of that study",
+            );
+        }
     })
 }

@@ -3,6 +3,7 @@
 use nalgebra::{Point2, Vector2};
 use railspring_profiles::error::{InputError, Result};
 use railspring_profiles::profile::ProfileCurve;
+use railspring_profiles::root::bisection;
 use railspring_profiles::units::MILLIMETRE;
 
 use crate::results::bodies::geometry::{self, Geometry};
@@ -48,8 +49,16 @@ impl<'a> Surfaces<'a> {
 
     /// Lateral place of the highest point of the rail, m from the track centre.
     pub fn top_y(&self) -> f64 {
-        let highest = self.rail(0.0).into_iter().min_by(|a, b| a.y.total_cmp(&b.y));
-        highest.map_or(0.0, |point| point.x)
+        let curve = &self.geometry.pair.placed.curve;
+        let sampled = curve.sample_adaptive(STEP, CHORD);
+        let height = |i: &usize| curve.point(sampled[*i]).y;
+        let Some(highest) = (0..sampled.len()).min_by(|a, b| height(a).total_cmp(&height(b))) else {
+            return 0.0;
+        };
+        // the surface rises before it, and falls beyond it
+        let [before, after] =
+            [highest.saturating_sub(1), (highest + 1).min(sampled.len() - 1)].map(|i| sampled[i]);
+        curve.point(bisection(before, after, |s| curve.tangent(s).y > 0.0)).x
     }
 
     /// What a heading says about the points.

@@ -17,6 +17,11 @@ pub fn opensees(cache: &Path) -> Option<PathBuf> {
     with(cache, "import openseespy.opensees", Need::OpenSees, item)
 }
 
+/// As [`opensees`], with Exudyn.
+pub fn exudyn(cache: &Path) -> Option<PathBuf> {
+    with(cache, "import exudyn", Need::Packages, "Exudyn")
+}
+
 /// As [`opensees`], with the vehicle models of STEM.
 pub fn stem(cache: &Path) -> Option<PathBuf> {
     with(cache, "import UVEC", Need::Stem, "the vehicle models of STEM (UVEC)")

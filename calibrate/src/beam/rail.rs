@@ -294,7 +294,20 @@ impl RailBeam {
         self.products.kinetic_energy(velocities)
     }
 
-    fn singular(&self) -> NumericsError {
+    /// One of its elements, in the axes of the section.
+    pub(super) fn of_length(&self) -> BeamElement<'_> {
+        self.element(self.pitch())
+    }
+
+    /// The unknowns that are not held, among [`NODE`] of each node.
+    pub(super) fn free(&self) -> Vec<usize> {
+        let of_end = [(0, self.ends[0]), (self.elements, self.ends[1])];
+        let held =
+            |dof: &usize| of_end.iter().any(|(node, end)| dof / NODE == *node && end.held()[dof % NODE]);
+        (0..NODE * (self.elements + 1)).filter(|dof| !held(dof)).collect()
+    }
+
+    pub(super) fn singular(&self) -> NumericsError {
         NumericsError::new("rail beam", StopReason::Singular, f64::NAN, self.unknowns())
     }
 }

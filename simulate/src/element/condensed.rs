@@ -16,6 +16,7 @@ mod head;
 mod model;
 mod step;
 mod statics;
+mod rail_at;
 mod lacking;
 mod fitted;
 mod run;
@@ -23,6 +24,7 @@ mod advance;
 
 pub use fitted::{fitted_element, fitted_lumped};
 pub use model::CondensedModel;
+pub use rail_at::{RailAtWheel, RailOscillator};
 
 #[cfg(test)]
 mod tests;

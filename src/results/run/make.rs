@@ -60,13 +60,13 @@ impl SimpleModel {
         beam: &RailBeam,
         springs: &Springs,
     ) -> Result<Self> {
+        if let Some((key, element)) = &springs.element {
+            let model = model_of_solids(input, geometry, beam, &springs.beam, element.clone())?;
+            return Ok(Self::OfSolids(*key, Box::new(model)));
+        }
         let damped = [&input.rail.material, &input.wheel.material].map(|own| own.damped(input.damping));
         let (pair, materials) = (&geometry.pair, damped.each_ref());
         let beam = beam.corrected(&springs.beam)?;
-        if let Some((key, element)) = &springs.element {
-            let model = CondensedModel::of_pair(pair, beam, materials, element.clone());
-            return Ok(Self::OfSolids(*key, Box::new(model)));
-        }
         let wheel_springs = WheelSprings {
             horizontal: springs.horizontal,
             normal: springs.normal.clone(),
@@ -105,6 +105,21 @@ impl SimpleModel {
         };
         Ok(run.history)
     }
+}
+
+/// The model with an element of the solids on a rail `beam`, which is corrected to the solid rail.
+///
+/// # Errors
+/// Those of the beam.
+pub fn model_of_solids(
+    input: &SimpleRunInput<'_>,
+    geometry: &Geometry,
+    beam: &RailBeam,
+    correction: &BeamCorrection,
+    element: PairElement,
+) -> Result<CondensedModel> {
+    let damped = [&input.rail.material, &input.wheel.material].map(|own| own.damped(input.damping));
+    Ok(CondensedModel::of_pair(&geometry.pair, beam.corrected(correction)?, damped.each_ref(), element))
 }
 
 /// What a run is worth, and the run with an input that is 0.1 % larger, if it could be done.

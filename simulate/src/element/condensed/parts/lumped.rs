@@ -132,8 +132,8 @@ impl Oscillator {
 
 impl Bushing {
     /// That of a flexibility about the node line, without the parts between z and the others.
-    fn of(flexibility: &Matrix3<f64>) -> Self {
-        let flexibility = positive(*flexibility);
+    pub(in crate::element::condensed) fn of(flexibility: &Matrix3<f64>) -> Self {
+        let flexibility = positive(without_vertical(*flexibility));
         let [yy, zz, turn] = [0, 1, 2].map(|i| flexibility[(i, i)].max(STIFFEST));
         let of_both = flexibility[(0, 2)];
         Self {

@@ -1,0 +1,193 @@
+//! A load case on the lumped element, in SI units.
+
+use railspring_calibrate::beam::RailBeam;
+use railspring_calibrate::solid::Material;
+use railspring_profiles::error::{InputError, Result};
+use railspring_simulate::element::condensed::RailAtWheel;
+use railspring_simulate::element::condensed::parts::{Bushing, LumpedElement, LumpedSet};
+use railspring_simulate::time::scenario::{HarmonicForce, Kelvin, Scenario};
+
+use super::constants::Constants;
+use super::surfaces::LumpedSurfaces;
+use crate::export::spring::plain;
+use crate::results::bodies::geometry::geometry;
+use crate::results::by_angle::record::StiffnessByAngleRecord;
+use crate::results::run::input::SimpleRunInput;
+use crate::results::run::make::model_of_solids;
+use crate::results::springs::record::StiffnessRecord;
+use crate::study::{Study, StudyScenario};
+
+/// Modes of the rail's beam up to this frequency (Hz) move; the others follow forces at once. With modes up to 3 or 40 kHz the forces of load case 4.1 are as far from those on the beam, by 0.03 % of their peaks.
+const HIGHEST: f64 = 6e3;
+
+/// What a model of another program is made from.
+pub(in crate::export) struct LumpedCase<'a> {
+    /// The load case.
+    pub scenario: &'a Scenario,
+    /// Wheel and head.
+    pub set: LumpedSet,
+    /// Damping over stiffness of rail and wheel, s.
+    pub damping: [f64; 2],
+    /// The rail by its modes.
+    pub rail: RailAtWheel,
+    /// The rail as a beam.
+    pub beam: BeamAtWheel,
+    /// Its material.
+    pub rail_material: &'a Material,
+    /// Origin of the wheel's profile from the line of the rail's shear centres where the wheel just touches (y, z), m.
+    pub wheel_origin: [f64; 2],
+    /// Strips and running surfaces.
+    pub surfaces: LumpedSurfaces,
+    heading: [String; 3],
+}
+
+/// The rail as a beam with a wheel on it.
+pub(in crate::export) struct BeamAtWheel {
+    /// Of an even number of elements.
+    pub beam: RailBeam,
+    /// Place of the wheel, m from the first end.
+    pub place: f64,
+    /// Between the beam's section there and the head.
+    pub bushing: Bushing,
+}
+
+impl<'a> LumpedCase<'a> {
+    /// The load case of a `study` with a name, or its only one, on the lumped element of its laws by contact angle.
+    ///
+    /// # Errors
+    /// [`InputError`] without the study, the element or the load case, and for load cases that these models do not have.
+    pub fn of(
+        study: Option<&'a Study>,
+        name: Option<&str>,
+        record: &StiffnessRecord,
+        laws: &StiffnessByAngleRecord,
+    ) -> Result<Self> {
+        let study = study.ok_or_else(|| {
+            InputError::new(
+                "--study",
+                "(missing)",
+                "the study of the springs: a model wants its load case, too",
+                "name it with --study STUDY.toml",
+            )
+        })?;
+        let (name, case) = chosen(study, name)?;
+        check(name, case)?;
+        let lumped = laws.lumped.as_ref().ok_or_else(|| {
+            let reason = laws.element_missing.as_deref().unwrap_or("the laws by contact angle have none");
+            InputError::new(
+                "stiffness_by_angle.json: lumped",
+                "(missing)",
+                format!("a lumped element: {reason}"),
+                "calibrate again",
+            )
+        })?;
+        let element = LumpedElement::from(lumped);
+        let geometry = geometry(study.statics())?;
+        let input = SimpleRunInput::of(study, case);
+        // with a node in the middle
+        let elements = study.simulation.rail_elements.next_multiple_of(2);
+        let beam = geometry.pair.beam(&study.rail.material, study.rail.length, elements)?;
+        let correction = record.beam.factors.into();
+        let model = model_of_solids(&input, &geometry, &beam, &correction, (&element).into())?;
+        let beam = beam.corrected(&correction)?;
+        let place = case.scenario.start_x.unwrap_or(0.5 * beam.length());
+        let origin = geometry.pair.tape() - geometry.pair.node_line().coords;
+        Ok(Self {
+            scenario: &case.scenario,
+            damping: [&study.rail.material, &study.wheel.material]
+                .map(|own| own.damped(study.damping).damping),
+            rail: model.rail_at(place, HIGHEST)?,
+            beam: BeamAtWheel { beam, place, bushing: model.bushing_on_beam(place)? },
+            rail_material: &study.rail.material,
+            wheel_origin: origin.into(),
+            surfaces: LumpedSurfaces::of(&geometry.pair, &element.strips),
+            set: element.set,
+            heading: [
+                format!(
+                    "study {}, {}; calibration {} by railspring {}",
+                    study.name,
+                    record.pair.name,
+                    record.input_hash.get(..12).unwrap_or(&record.input_hash),
+                    record.version
+                ),
+                format!("load case {name}: {}", case.description),
+                "left out: motion along the rail, torsion of the rail by a torque, and rotation of the hub"
+                    .into(),
+            ],
+        })
+    }
+
+    /// The constants of load case and contact.
+    pub(super) fn write_load_case(&self, c: &mut Constants) {
+        let scenario = self.scenario;
+        c.about("Load case");
+        c.count("ROWS", scenario.steps, "rows of the history after the first");
+        c.number("ROW", scenario.time_step, "s, time between two rows");
+        c.number("FRICTION", scenario.friction, "coefficient of friction");
+        c.number("GRAVITY", scenario.gravity, "m/s^2, on hub and suspended mass");
+        c.number("SUSPENDED_MASS", scenario.suspended_mass, "kg");
+        let Kelvin { stiffness, damping } = scenario.vertical_suspension;
+        c.number("SUSPENSION_STIFFNESS", stiffness, "N/m, vertical, between hub and suspended mass");
+        c.number("SUSPENSION_DAMPING", damping, "N s/m");
+        for (name, force, on) in [
+            ("VERTICAL", scenario.vertical_force, "suspended mass, down"),
+            ("LATERAL", scenario.lateral_force, "hub, to the field side"),
+        ] {
+            let HarmonicForce { mut constant, mut amplitude, mut frequency, mut phase } = force;
+            if frequency == 0.0 || amplitude == 0.0 {
+                constant += amplitude * phase.sin();
+                (amplitude, frequency, phase) = (0.0, 1.0, 0.0);
+            }
+            c.number(&format!("{name}_MEAN"), constant, &format!("N, on the {on}"));
+            c.number(&format!("{name}_AMPLITUDE"), amplitude, "N, of the sine");
+            c.number(&format!("{name}_FREQUENCY"), frequency, "Hz");
+            c.number(&format!("{name}_PHASE"), phase, "rad");
+        }
+    }
+
+    /// What a file says first.
+    pub fn heading(&self, program: &str) -> Vec<String> {
+        let what =
+            format!("Lumped wheel on its rail for {program}, by railspring {}", env!("CARGO_PKG_VERSION"));
+        std::iter::once(&what).chain(&self.heading).map(|line| plain(line)).collect()
+    }
+}
+
+/// The load case with a name, or the only one.
+fn chosen<'a>(study: &'a Study, name: Option<&str>) -> Result<(&'a str, &'a StudyScenario)> {
+    let mut cases = study.scenarios.iter();
+    let found = match name {
+        Some(name) => cases.find(|(known, _)| *known == name),
+        None => cases.next().filter(|_| study.scenarios.len() == 1),
+    };
+    found.map(|(name, case)| (name.as_str(), case)).ok_or_else(|| {
+        let names: Vec<&str> = study.scenarios.keys().map(String::as_str).collect();
+        let (expected, remedy) = match names.is_empty() {
+            true => ("a study with a load case".into(), "give the study a [scenario.NAME]"),
+            false => (format!("a load case of the study: {}", names.join(", ")), "name one of them"),
+        };
+        InputError::new("--case", name.unwrap_or("(missing)"), expected, remedy).into()
+    })
+}
+
+/// Whether a model that stays in its place can have a load case.
+fn check(name: &str, StudyScenario { scenario, .. }: &StudyScenario) -> Result<()> {
+    let refuse = |key: &str, value: String, expected: &str| {
+        InputError::refuse(
+            format!("scenario.{name}.{key}"),
+            value,
+            expected,
+            "name another load case with --case, or change this one with --set",
+        )
+    };
+    if scenario.speed != 0.0 {
+        return refuse("speed_m_per_s", scenario.speed.to_string(), "0: the model stays in its place");
+    }
+    if scenario.rail_torsion.is_some() {
+        return refuse("rail_torsion", "given".into(), "none: the model has no torque on the rail");
+    }
+    if !scenario.rotations_held {
+        return refuse("rotations_held", "false".into(), "true: the hub of the model does not turn");
+    }
+    Ok(())
+}

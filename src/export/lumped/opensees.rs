@@ -1,0 +1,158 @@
+//! The model of OpenSees: beams, rigid links, bushings, and the contact as forces of each time step.
+
+use railspring_profiles::error::{InputError, Result};
+use railspring_simulate::element::condensed::parts::Oscillator;
+
+use super::case::LumpedCase;
+use super::constants::Constants;
+use super::model::{model, write_bushing};
+use crate::export::spring::ExportFile;
+
+/// The text behind the constants. Contact elements of OpenSees 3.7.1 with friction (`zeroLengthContactNTS2D`, `SimpleContact2D`) lose it where a wheel slides over several segments.
+const TEXT: &str = include_str!("opensees.py");
+
+/// Time steps in a row of the history, for rows of half a millisecond: the forces of load case 4.1 change by 0.2 % of their peaks (RMS) with half of them.
+const STEPS: f64 = 16.0;
+const ROW: f64 = 0.5e-3;
+
+/// An oscillator turns the rim about a pole, which is no farther away than this, m.
+const FARTHEST_POLE: f64 = 1e3;
+
+/// Largest mass between two oscillators that is left out, over that of the hub: what one with a small coupling would feel of the one with the largest. With 0.035 the forces of a load case like 4.1 were 2 % of their
+/// peaks off (RMS).
+const MOST_BETWEEN: f64 = 0.01;
+
+/// Largest share of the hub's mass in an oscillator that moves against the centre of mass of both.
+const MOST_SHARE: f64 = 0.005;
+
+/// Most elements of the beam by the numbers of its nodes.
+const MOST_ELEMENTS: usize = 98;
+
+/// Constants and model, and the tables beside them.
+///
+/// # Errors
+/// [`InputError`] for a wheel beside the middle of the rail, and for oscillators that these hinges cannot be.
+pub(in crate::export) fn files(case: &LumpedCase<'_>) -> Result<Vec<ExportFile>> {
+    check(case)?;
+    let LumpedCase { scenario, set, damping: [of_rail, of_wheel], beam, .. } = case;
+    let (beam, bushing) = (&beam.beam, beam.bushing);
+    let mut c = Constants::default();
+    case.write_load_case(&mut c);
+    c.count("STEPS", (STEPS * scenario.time_step / ROW).ceil().max(1.0) as usize, "time steps in a row");
+    c.about("Wheel");
+    c.numbers(
+        "WHEEL_ORIGIN",
+        case.wheel_origin,
+        "m, origin (y, z) of the wheel's profile where the wheel just touches",
+    );
+    c.number("HUB_MASS", set.hub.mass, "kg, of the whole wheel");
+    let of = |value: fn(&Oscillator) -> f64| set.oscillators.iter().map(value);
+    c.numbers("OSCILLATOR_FREQUENCY", of(|o| o.frequency), "Hz, with the hub held");
+    c.numbers("RIM_LATERAL", of(|o| o.lateral), "displacement of the rim along y");
+    c.numbers("RIM_TURN", of(|o| o.turn), "1/m, rotation of the rim");
+    c.numbers(
+        "COUPLING_LATERAL",
+        of(|o| o.coupling[0]),
+        "kg, with the hub's motion along y; one at most is not zero",
+    );
+    c.numbers("COUPLING_VERTICAL", of(|o| o.coupling[1]), "kg, with the hub's motion along z");
+    c.number(
+        "RIM_OFFSET",
+        set.offset,
+        "m, of the profile's origin from the point of the rim that does not rise",
+    );
+    c.number("WHEEL_DAMPING", *of_wheel, "s, in proportion to stiffness");
+    c.about("Rail, with the corrections of shear and torsion to the solid rail");
+    let (section, material) = (beam.section(), case.rail_material);
+    let shear = material.young / (2.0 * (1.0 + material.poisson));
+    c.number("RAIL_LENGTH", beam.length(), "m");
+    c.count("RAIL_ELEMENTS", beam.elements(), "an even number: the wheel is on the node in the middle");
+    c.number("RAIL_ANGLE", beam.angle(), "rad, of the section's axes, from y to z");
+    c.number("YOUNG", material.young, "Pa");
+    c.number("SHEAR_MODULUS", shear, "Pa");
+    c.number("DENSITY", material.density, "kg/m^3");
+    c.number("AREA", section.mass / material.density, "m^2");
+    c.number(
+        "INERTIA_LATERAL",
+        section.bending_y / material.young,
+        "m^4, against bending along the section's y",
+    );
+    c.number(
+        "INERTIA_VERTICAL",
+        section.bending_z / material.young,
+        "m^4, against bending along the section's z",
+    );
+    c.number("SHEAR_AREA_LATERAL", section.shear_y / shear, "m^2");
+    c.number("SHEAR_AREA_VERTICAL", section.shear_z / shear, "m^2");
+    c.number("TORSION_CONSTANT", section.torsion / shear, "m^4, with the warping that the ends hold");
+    c.numbers("CENTROID", section.centroid, "m, from the shear centre along the section's y and z");
+    c.number("RAIL_DAMPING", *of_rail, "s, in proportion to stiffness");
+    c.about("Bushing between beam and head, at the place of the wheel on this rail");
+    write_bushing(&mut c, &bushing);
+    Ok(model(case, "OpenSees", "wheel_rail_opensees", &c, TEXT))
+}
+
+fn check(case: &LumpedCase<'_>) -> Result<()> {
+    let (beam, place) = (&case.beam.beam, case.beam.place);
+    let remedy = "take --to lumped-exudyn, which has the rail by its modes at the wheel";
+    if (place / beam.length() - 0.5).abs() > 1e-9 {
+        let key = "scenario.start_x_m";
+        return InputError::refuse(key, place, "the middle of the rail, where the beam has a node", remedy);
+    }
+    if beam.elements() > MOST_ELEMENTS {
+        let expected = format!("{MOST_ELEMENTS} elements at most");
+        return InputError::refuse("simulation.rail_elements", beam.elements(), expected, remedy);
+    }
+    let oscillators = &case.set.oscillators;
+    if let Some(coupling) = too_large(oscillators, case.set.hub.mass) {
+        let expected = "one large coupling along y, and small ones beside it";
+        return InputError::refuse("lumped.oscillators[].coupling_kg", coupling, expected, remedy);
+    }
+    match oscillators.iter().position(|of| of.lateral.abs() > FARTHEST_POLE * of.turn.abs()) {
+        Some(i) => InputError::refuse(
+            format!("lumped.oscillators[{i}].rim_turn_per_m"),
+            oscillators[i].turn,
+            "a rotation of the rim, which is a hinge in the model",
+            remedy,
+        ),
+        None => Ok(()),
+    }
+}
+
+/// A coupling (kg) beside the largest one along y that is too large to be left to the poles of the hinges.
+fn too_large(oscillators: &[Oscillator], hub: f64) -> Option<f64> {
+    let mut lateral: Vec<f64> = oscillators.iter().map(|of| of.coupling[0].abs()).collect();
+    lateral.sort_by(f64::total_cmp);
+    let largest = lateral.pop()?;
+    let vertical = oscillators.iter().map(|of| of.coupling[1].abs());
+    let beside = lateral.into_iter().rev().find(|of| of * largest > MOST_BETWEEN * hub);
+    beside.or(vertical.into_iter().find(|of| of * of > MOST_SHARE * hub))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Goal: wheels with one large coupling along y pass, as those of the standards have it, with a small one along z; a second one along y that moves the first, and a large one along z, are named.
+    #[test]
+    fn hinges_take_one_large_coupling() {
+        let found = |couplings: &[[f64; 2]]| {
+            let oscillators: Vec<Oscillator> = couplings
+                .iter()
+                .map(|&coupling| Oscillator {
+                    frequency: 200.0,
+                    lateral: 0.1,
+                    turn: -0.3,
+                    coupling,
+                    turn_coupling: 0.0,
+                })
+                .collect();
+            too_large(&oscillators, 309.0)
+        };
+        assert_eq!(found(&[[0.0, 0.3], [-15.6, 0.0], [0.0, 0.0]]), None);
+        assert_eq!(found(&[[0.15, 0.0], [-15.6, 0.0]]), None);
+        assert_eq!(found(&[[0.7, 0.0], [-15.6, 0.0]]), Some(0.7));
+        assert_eq!(found(&[[0.0, 1.5], [-15.6, 0.0]]), Some(1.5));
+        assert_eq!(found(&[]), None);
+    }
+}
