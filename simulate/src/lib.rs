@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 pub mod time;
+mod axle;
 pub mod solid;
 pub mod element;
 pub mod cases;

@@ -40,7 +40,7 @@ use crate::time::suspension::Suspension;
 use beyond::Beyond;
 use body::ElasticBody;
 use full::FullBody;
-use load_case::{hub_motions, longest};
+use load_case::{HubSprings, hub_motions, longest};
 use nalgebra::{Point3, Vector2};
 use railspring_calibrate::solid::{Materials, Supports, System};
 use railspring_profiles::error::{Error, InputError, Result};
@@ -182,7 +182,8 @@ impl TransientModel<'_> {
             unreachable!("bodies at full order");
         };
         let scheme = longest(scenario);
-        let stiffness = Suspension::new(scenario, &scheme).stiffness();
+        let vertical = Suspension::new(scenario, &scheme).stiffness();
+        let hub = HubSprings { free: hub_motions(scenario), vertical, axle: self.axle };
         let on_ends = Supports { held: rail.ends.clone(), ..Default::default() };
         let mut master_free = [false; 6];
         hub_motions(scenario).iter().for_each(|&motion| master_free[motion] = true);
@@ -192,14 +193,14 @@ impl TransientModel<'_> {
             master: Point3::origin(),
             master_free,
         };
-        let body = |mesh, materials: &Materials, supports, hub_stiffness| {
+        let body = |mesh, materials: &Materials, supports, hub| {
             let system = System::new(mesh, materials.clone(), formulation, supports)?;
-            FullBody::new(system.with_massless_contact(), &scheme, hub_stiffness)
+            FullBody::new(system.with_massless_contact(), &scheme, hub)
         };
         let [of_rail, of_wheel] = materials;
         let (rail, wheel) = rayon::join(
-            || body(rail, of_rail, &on_ends, None),
-            || body(wheel, of_wheel, &on_hub, Some(stiffness)),
+            || body(rail, of_rail, &on_ends, HubSprings::default()),
+            || body(wheel, of_wheel, &on_hub, hub),
         );
         Ok([rail?, wheel?])
     }

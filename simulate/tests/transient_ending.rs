@@ -59,6 +59,7 @@ fn run_in_zone(scenarios: &[Scenario], field_y: f64) -> (Vec<History>, f64) {
         enforcement: Enforcement::Exact,
         field: ContactField::Elements,
         path: None,
+        axle: 0.0,
     };
     let runs: Vec<_> = scenarios.iter().map(|scenario| model.run(scenario, &Silent).unwrap()).collect();
     let mass = runs[0].wheel_mass;

@@ -1,6 +1,7 @@
 //! A body at full order: all equations of its mesh, factored for one length of step.
 
 use super::body::{BodyLoad, ElasticBody, Interface};
+use super::load_case::HubSprings;
 use crate::time::energy::PartEnergy;
 use crate::time::linear_part::{LinearPart, LinearStep};
 use crate::time::newmark::{Motion, Newmark};
@@ -45,11 +46,11 @@ pub(super) struct FullStep<'s, 'a> {
 
 impl<'a> FullBody<'a> {
     /// Factors the effective matrix `K·(1 + 2β/Δt) + 4/Δt²·M` of a material with the damping β;
-    /// `hub_stiffness` is added to the hub's vertical motion.
-    pub(super) fn new(system: System<'a>, scheme: &Newmark, hub_stiffness: Option<f64>) -> Result<Self> {
+    /// its hub has what holds its free motions.
+    pub(super) fn new(system: System<'a>, scheme: &Newmark, hub: HubSprings<'_>) -> Result<Self> {
         let mass = system.nodal_mass();
-        let diagonal: Vec<(usize, f64)> =
-            hub_stiffness.and_then(|k| Some((system.numbering.master_equation(2)?, k))).into_iter().collect();
+        let held = |&motion: &usize| Some((system.numbering.master_equation(motion)?, hub.against(motion)));
+        let diagonal: Vec<(usize, f64)> = hub.free.iter().filter_map(held).collect();
         let beta = system.materials.damping();
         let damping = (beta > 0.0).then(|| system.matrix(beta, 0.0, &[])).transpose()?;
         let element =
@@ -270,7 +271,7 @@ mod tests {
         let period = 4.0 * length / (material.young / material.density).sqrt();
         let dt = period / 120.0;
         let scheme = Newmark::new(dt, 0.0);
-        let body = FullBody::new(system, &scheme, None).unwrap();
+        let body = FullBody::new(system, &scheme, HubSprings::default()).unwrap();
         let mut state = body.in_motion(&Vector2::zeros(), &Vector2::zeros());
         let force = 1e3;
         // four corner nodes share the end face
@@ -310,7 +311,7 @@ mod tests {
         let system = System::new(&mesh, material, Formulation::IncompatibleModes, &supports).unwrap();
         let dt = period / 120.0;
         let scheme = Newmark::new(dt, 0.0);
-        let body = FullBody::new(system, &scheme, None).unwrap();
+        let body = FullBody::new(system, &scheme, HubSprings::default()).unwrap();
         let mut state = body.in_motion(&Vector2::zeros(), &Vector2::zeros());
         let mut forces = vec![0.0; body.element.compliance.nrows()];
         forces.iter_mut().skip(2).step_by(3).for_each(|f| *f = 250.0);
@@ -346,7 +347,8 @@ mod tests {
                 let material = Material { damping, ..Material::STEEL };
                 let system = System::new(&mesh, material, Formulation::IncompatibleModes, &supports).unwrap();
                 let scheme = Newmark::new(2e-6, dissipation);
-                let body = FullBody::new(system.with_massless_contact(), &scheme, None).unwrap();
+                let body =
+                    FullBody::new(system.with_massless_contact(), &scheme, HubSprings::default()).unwrap();
                 let Numbering { interior, contact, equations, .. } = body.element.system.numbering;
                 assert_eq!(equations - interior - contact, hub_motions);
                 let load = |y, z, gravity| BodyLoad { hub: [y, z], gravity, ..BodyLoad::default() };

@@ -1,6 +1,7 @@
 //! What the transient solid model is made of.
 
 use super::path::RailPath;
+use crate::axle::axle_stiffness;
 use nalgebra::Point2;
 use railspring_calibrate::calibration::{ContactField, Enforcement};
 use railspring_calibrate::contact::Surface;
@@ -25,6 +26,8 @@ pub struct TransientModel<'a> {
     pub rail_surface: Surface<'a>,
     /// Contact surface of the wheel, just touching.
     pub wheel_surface: Surface<'a>,
+    /// Stiffness of the axle against the hub's rotations about the track and about the vertical, N·m/rad, in scenarios that free them.
+    pub axle: f64,
     /// How the contact conditions are enforced.
     pub enforcement: Enforcement,
     /// Where the contact lives.
@@ -116,6 +119,7 @@ impl<'a> TransientModel<'a> {
             rail_axis: Some(pair.node_line()),
             rail_surface: pair.rail_surface(rail),
             wheel_surface: pair.wheel_surface(wheel),
+            axle: axle_stiffness(pair, &materials[1]),
             enforcement,
             field,
             path: None,

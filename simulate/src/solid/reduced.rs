@@ -15,6 +15,7 @@ mod tests;
 
 use super::at_place::AtPlace;
 use super::body::{BodyLoad, ElasticBody, Flexible, Interface};
+use super::load_case::HubSprings;
 use super::loads::{add_product, in_runs};
 use crate::time::energy::PartEnergy;
 use crate::time::linear_part::{LinearPart, LinearStep};
@@ -243,6 +244,15 @@ impl LinearStep for ReducedStep<'_, '_> {
     }
 }
 
+impl ReducedBody<'_> {
+    /// Energy of the axle, J.
+    fn of_axle(&self, state: &ReducedState) -> f64 {
+        let axle = HubSprings { axle: self.axle, ..HubSprings::default() };
+        let turned = self.hub.iter().zip(&state.coordinates);
+        turned.map(|(&motion, m)| 0.5 * axle.against(motion) * m.u * m.u).sum()
+    }
+}
+
 impl ElasticBody for ReducedBody<'_> {
     fn in_motion(&self, velocity: &Vector2<f64>, acceleration: &Vector2<f64>) -> ReducedState {
         let of = |values: &Vector2<f64>, motion: usize| {
@@ -346,7 +356,7 @@ impl ElasticBody for ReducedBody<'_> {
         let Driven { of_modes: on_modes, of_residual: on_residual } = after.driven;
         Some(PartEnergy {
             kinetic: 0.5 * velocity.dot(&(&self.mass * &velocity)),
-            elastic: 0.5 * modes.dot(&(&self.stiffness * &modes)) + residual,
+            elastic: 0.5 * modes.dot(&(&self.stiffness * &modes)) + self.of_axle(after) + residual,
             work: gravity * self.weight.dot(&moved) + twisted + on_modes + on_residual,
             damped: damped + done + on_residual - gained,
             friction: 0.0,
@@ -367,7 +377,8 @@ impl ElasticBody for ReducedBody<'_> {
             momentum: self.weight.dot(&velocity),
             moment: self.weight.dot(&place),
             energy: 0.5
-                * (velocity.dot(&(&self.mass * &velocity)) + modes.dot(&(&self.stiffness * modes)) + work),
+                * (velocity.dot(&(&self.mass * &velocity)) + modes.dot(&(&self.stiffness * modes)) + work)
+                + self.of_axle(state),
         }
     }
 }

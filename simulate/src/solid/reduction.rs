@@ -1,7 +1,7 @@
 //! How many modes a reduced run has, and what they are worth.
 
 use super::beyond::Beyond;
-use super::load_case::{hub_motions, longest};
+use super::load_case::{HubSprings, hub_motions, longest};
 use super::model::{ModeCount, SolidBodies, TransientModel};
 use super::reduced::ReducedBody;
 use super::run::Run;
@@ -38,10 +38,11 @@ impl TransientModel<'_> {
         let SolidBodies::Reduced { rail, wheel, .. } = self.bodies else {
             unreachable!("reduced bodies");
         };
-        let stiffness = Suspension::new(scenario, scheme).stiffness();
+        let vertical = Suspension::new(scenario, scheme).stiffness();
+        let hub = HubSprings { free: hub_motions(scenario), vertical, axle: self.axle };
         Ok([
-            ReducedBody::new(rail, count, self.damping(), scheme, (&[], 0.0), self.path)?,
-            ReducedBody::new(wheel, count, self.damping(), scheme, (hub_motions(scenario), stiffness), None)?,
+            ReducedBody::new(rail, count, self.damping(), scheme, HubSprings::default(), self.path)?,
+            ReducedBody::new(wheel, count, self.damping(), scheme, hub, None)?,
         ])
     }
 }

@@ -173,6 +173,7 @@ fn collide(
             enforcement: Enforcement::Exact,
             field: ContactField::Elements,
             path: None,
+            axle: 0.0,
         };
         let mut ledger = Ledger::default();
         let mut enter = |step: &Step| {

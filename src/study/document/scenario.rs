@@ -60,7 +60,7 @@ pub struct ScenarioKeys {
     #[serde(default)]
     #[schemars(range(min = 0.0, max = 200.0), extend("x-field" = InputField::Speed.name()))]
     pub speed_m_per_s: f64,
-    /// Whether the rotations of the wheel's master node are held.
+    /// Whether the rotations of the wheel's master node are held. Where they are not, the axle holds its roll: a beam of the bore's diameter between the two wheels, of which the other one stands.
     #[serde(default = "default_true")]
     pub rotations_held: bool,
     /// Whether the solid model runs too. A wheel that moves must then stay on the part of the rail that the solids know: as far from both ends as the contact grid is long on either side, and an element more.

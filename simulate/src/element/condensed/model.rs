@@ -2,6 +2,7 @@
 
 use nalgebra::{Matrix3, Point2};
 
+use crate::axle::axle_stiffness;
 use crate::element::condensed::parts::PairElement;
 use crate::time::scenario::Scenario;
 use crate::time::steps::{InnerSteps, StepControl};
@@ -55,7 +56,7 @@ impl CondensedModel {
             tape: Point2::from(pair.tape()),
             support: RailSupport::Beam { beam, node_line: pair.node_line(), damping: rail.damping },
             element,
-            axle: axle(pair, wheel),
+            axle: axle_stiffness(pair, wheel),
             damping: wheel.damping,
             initial: InitialMotion::default(),
         }
@@ -76,12 +77,4 @@ impl CondensedModel {
         self.initial.check(scenario)?;
         self.support.check_start(scenario)
     }
-}
-
-/// The axle as a beam between the two wheels, of the diameter of the hub's bore: a wheel turns it at its end while the other one stands,
-/// 3EI/L.
-fn axle(pair: &Pair, material: &Material) -> f64 {
-    let diameter = 2.0 * pair.wheel.bore_radius;
-    let inertia = std::f64::consts::PI * diameter.powi(4) / 64.0;
-    3.0 * material.young * inertia / (2.0 * pair.tape_y)
 }

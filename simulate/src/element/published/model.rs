@@ -2,6 +2,7 @@
 
 use nalgebra::{Matrix2, Point2};
 
+use crate::axle::axle_stiffness;
 use crate::time::history::History;
 use crate::time::scenario::Scenario;
 use crate::time::steps::InnerSteps;
@@ -77,6 +78,8 @@ pub struct MovingModel {
     /// Moments of inertia of the wheel about x, y and z, kg·m², for scenarios that free the
     /// rotations. The element loads only the one about x; pitch and yaw stay zero.
     pub wheel_inertia: [f64; 3],
+    /// Stiffness of the axle against the wheel's rotation about x, N·m/rad, in the same scenarios.
+    pub axle: f64,
     /// Penalty constant of each contact node, N/m.
     pub penalty: f64,
     /// Distance of the rail nodes along the profile, m.
@@ -164,6 +167,7 @@ impl MovingModel {
             wheel_mass,
             // A thin ring at the tape circle; studies that free the rotations give better values.
             wheel_inertia: [0.5, 1.0, 0.5].map(|share| share * wheel_mass * wheel_radius.powi(2)),
+            axle: 0.0,
             penalty: Self::DEFAULT_PENALTY,
             node_spacing: Self::DEFAULT_NODE_SPACING,
             frictionless: None,
@@ -191,6 +195,7 @@ impl MovingModel {
         let scale = wheel_mass / body.mass;
         model.wheel_inertia =
             [body.diameter_inertia, body.axle_inertia, body.diameter_inertia].map(|i| i * scale);
+        model.axle = axle_stiffness(pair, of_wheel);
         model
     }
 

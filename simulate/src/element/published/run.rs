@@ -149,6 +149,7 @@ impl<'a> Run<'a> {
                 scenario,
                 mass: scenario.wheel_mass.unwrap_or(model.wheel_mass),
                 roll_inertia: (!scenario.rotations_held).then_some(model.wheel_inertia[0]),
+                axle: model.axle,
             },
             rail: model.support.dynamics(),
             law: ContactLaw {

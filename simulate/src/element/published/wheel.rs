@@ -76,6 +76,8 @@ pub(super) struct WheelDynamics<'a> {
     pub mass: f64,
     /// Moment of inertia about direction 3, kg·m²; `None` holds the rotation.
     pub roll_inertia: Option<f64>,
+    /// Stiffness of the axle against the rotation, N·m/rad.
+    pub axle: f64,
 }
 
 /// The wheel with its suspended mass over steps of one length. Its interface is the centre in directions 1, 2 and rotation 3.
@@ -114,7 +116,8 @@ impl WheelDynamics<'_> {
         state.centre[0].a = (load.centre.x + contact.x) / self.mass;
         state.centre[1].a = (load.centre.y + contact.y + force) / self.mass;
         state.suspended.a = acceleration;
-        state.roll.a = self.roll_inertia.map_or(0.0, |inertia| contact.z / inertia);
+        state.roll.a =
+            self.roll_inertia.map_or(0.0, |inertia| (contact.z - self.axle * state.roll.u) / inertia);
     }
 
     /// Energies of wheel and suspended mass after a step from `before` to `after` between two `times` (s), with the work of the outer
@@ -128,6 +131,7 @@ impl WheelDynamics<'_> {
         let roll = self.roll_inertia.map_or(0.0, |inertia| kinetic(inertia, &after.roll));
         let own = PartEnergy {
             kinetic: kinetic(self.mass, lateral) + kinetic(self.mass, vertical) + roll,
+            elastic: self.roll_inertia.map_or(0.0, |_| 0.5 * self.axle * after.roll.u * after.roll.u),
             work,
             ..PartEnergy::default()
         };
@@ -148,7 +152,8 @@ impl WheelDynamics<'_> {
         let mut flexibility = Mat::zeros(3, 3);
         flexibility[(0, 0)] = 1.0 / own;
         flexibility[(1, 1)] = 1.0 / (own + suspension.stiffness());
-        flexibility[(2, 2)] = self.roll_inertia.map_or(0.0, |inertia| 1.0 / (inertia * scheme.acceleration));
+        flexibility[(2, 2)] =
+            self.roll_inertia.map_or(0.0, |inertia| 1.0 / (inertia * scheme.acceleration + self.axle));
         Wheel { mass: self.mass, roll_inertia: self.roll_inertia, scheme: *scheme, suspension, flexibility }
     }
 }
@@ -211,6 +216,7 @@ mod tests {
     const ROUNDOFF: f64 = 1e-12;
     const MASS: f64 = 900.0;
     const INERTIA: f64 = 60.0;
+    const AXLE: f64 = 2e6;
 
     fn scenario(suspended_mass: f64, damping: f64) -> Scenario {
         let vertical_suspension = Kelvin { stiffness: 1.2e6, damping };
@@ -244,7 +250,7 @@ mod tests {
         for (suspended, damping) in [(6250.0, 0.0), (6250.0, 40e3), (0.0, 40e3)] {
             let scenario = scenario(suspended, damping);
             for (roll_inertia, dissipation) in [(Some(INERTIA), 0.0), (Some(INERTIA), 0.05), (None, 0.0)] {
-                let dynamics = WheelDynamics { scenario: &scenario, mass: MASS, roll_inertia };
+                let dynamics = WheelDynamics { scenario: &scenario, mass: MASS, roll_inertia, axle: AXLE };
                 let part = dynamics.over(&Newmark::new(scenario.time_step, dissipation));
                 let found = trial(&part).deviations();
                 assert!(found.largest() < ROUNDOFF, "{suspended} {damping} {roll_inertia:?}: {found:?}");
@@ -256,6 +262,7 @@ mod tests {
                         kinetic(MASS, &state.centre[0])
                             + kinetic(MASS, &state.centre[1])
                             + kinetic(INERTIA, &state.roll)
+                            + roll_inertia.map_or(0.0, |_| 0.5 * AXLE * state.roll.u.powi(2))
                             + kinetic(suspended, &state.suspended)
                             + 0.5 * spring * (state.suspended.u - state.centre[1].u).powi(2)
                     };

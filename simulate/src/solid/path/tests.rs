@@ -1,6 +1,7 @@
 //! A rail along the path of a wheel against solids whose contact zone is at the place, and the energy of a load that moves along it.
 
 use super::super::body::{BodyLoad, ElasticBody};
+use super::super::load_case::HubSprings;
 use super::super::reduced::ReducedBody;
 use super::*;
 use crate::time::energy::PartEnergy;
@@ -110,7 +111,8 @@ fn a_load_that_moves_keeps_the_balance_of_energy() {
     let middle = condensed(&pair, LENGTH, 0.5 * LENGTH);
     let path = path(&pair, &middle, LENGTH, 24);
     let scheme = Newmark::new(1e-4, 0.0);
-    let body = ReducedBody::new(&middle, 24, STEEL.damping, &scheme, (&[], 0.0), Some(&path)).unwrap();
+    let body =
+        ReducedBody::new(&middle, 24, STEEL.damping, &scheme, HubSprings::default(), Some(&path)).unwrap();
     let rest = Vector2::zeros();
     let mut state = body.in_motion(&rest, &rest);
     let nodes = 3 * middle.nodes.len();

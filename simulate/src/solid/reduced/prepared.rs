@@ -1,6 +1,7 @@
 //! A condensed body, prepared for time steps of one length: mass, stiffness and inverses between its coordinates.
 
 use crate::solid::at_place::AtPlace;
+use crate::solid::load_case::HubSprings;
 use crate::solid::path::RailPath;
 use crate::time::newmark::Newmark;
 use faer::Mat;
@@ -14,6 +15,8 @@ pub(in super::super) struct ReducedBody<'a> {
     pub(super) body: &'a CondensedBody,
     /// Free motions of the hub (0 to 5: translations, rotations).
     pub(super) hub: Vec<usize>,
+    /// Stiffness of the axle against rotations of the hub, N·m/rad.
+    pub(super) axle: f64,
     /// The rail's places, of one along which the wheel moves.
     pub(super) path: Option<&'a RailPath>,
     /// Its interface at its only place, or in the middle.
@@ -38,8 +41,7 @@ pub(in super::super) struct ReducedBody<'a> {
 }
 
 impl<'a> ReducedBody<'a> {
-    /// A body with its first `count` modes, or all it has, damped by `damping` times its stiffness (s). `hub` are the free motions of its hub, none of a body that is held;
-    /// `hub_stiffness` is added to the hub's vertical motion. A rail along a `path` has the modes of that.
+    /// A body with its first `count` modes, or all it has, damped by `damping` times its stiffness (s), on a hub with its free motions and what holds these. A rail along a `path` has the modes of that.
     ///
     /// # Errors
     /// [`InputError`] for a body without modes, [`NumericsError`] for modes whose matrices are not positive definite.
@@ -48,7 +50,7 @@ impl<'a> ReducedBody<'a> {
         count: usize,
         damping: f64,
         scheme: &Newmark,
-        (hub, hub_stiffness): (&[usize], f64),
+        springs: HubSprings<'_>,
         path: Option<&'a RailPath>,
     ) -> Result<Self> {
         let modes = path.map(RailPath::modes).or(body.modes.as_ref()).ok_or_else(|| {
@@ -59,7 +61,7 @@ impl<'a> ReducedBody<'a> {
                 "condense it again with `PairSolids::condense_in_time`",
             )
         })?;
-        let count = count.min(modes.count());
+        let (hub, count) = (springs.free, count.min(modes.count()));
         let (held, size) = (hub.len(), hub.len() + count);
         let stiffening = 1.0 + damping * scheme.velocity;
         let mass = DMatrix::from_fn(size, size, |i, j| match (hub.get(i), hub.get(j)) {
@@ -75,9 +77,7 @@ impl<'a> ReducedBody<'a> {
         let stiffness = modes.stiffness(count);
         let mut effective = &mass * scheme.acceleration;
         effective.view_mut((held, held), (count, count)).zip_apply(&stiffness, |e, k| *e += stiffening * k);
-        if let Some(vertical) = hub.iter().position(|&motion| motion == 2) {
-            effective[(vertical, vertical)] += hub_stiffness;
-        }
+        hub.iter().enumerate().for_each(|(i, &motion)| effective[(i, i)] += springs.against(motion));
         let effective_inverse = inverse(effective)?;
         let static_inverse = inverse(stiffness.clone())?;
         let in_middle = path.map(|path| path.at(0.0, count));
@@ -97,6 +97,7 @@ impl<'a> ReducedBody<'a> {
         Ok(Self {
             body,
             hub: hub.to_vec(),
+            axle: springs.axle,
             path,
             at: Arc::new(at),
             mass,

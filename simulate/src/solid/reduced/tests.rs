@@ -41,7 +41,15 @@ fn a_reduced_body_is_a_linear_part() {
         let condensed = condensed(&mesh, !hub.is_empty(), count);
         for (damping, dissipation) in [(0.0, 0.0), (1e-6, 0.0), (0.0, 0.05)] {
             let scheme = Newmark::new(2e-6, dissipation);
-            let body = ReducedBody::new(&condensed, count, damping, &scheme, (hub, 0.0), None).unwrap();
+            let body = ReducedBody::new(
+                &condensed,
+                count,
+                damping,
+                &scheme,
+                HubSprings { free: hub, vertical: 0.0, axle: 1e6 },
+                None,
+            )
+            .unwrap();
             assert_eq!(body.modes(), count);
             let load = |y, z, gravity| BodyLoad { hub: [y, z], gravity, ..BodyLoad::default() };
             let trial = Trial {
@@ -98,7 +106,12 @@ fn modes_bring_a_body_to_full_order() {
         let material = Material { damping: 1e-7, ..Material::STEEL };
         let system = System::new(&mesh, material, Formulation::IncompatibleModes, &supports).unwrap();
         let scheme = Newmark::new(4e-6, 0.0);
-        let full = FullBody::new(system.with_massless_contact(), &scheme, Some(1e7)).unwrap();
+        let full = FullBody::new(
+            system.with_massless_contact(),
+            &scheme,
+            HubSprings { free: hub, vertical: 1e7, axle: 1e6 },
+        )
+        .unwrap();
         let contact = 3 * mesh.contact.nodes.len();
         let forces: Vec<f64> = (0..contact + hub.len())
             .map(|i| if i < contact { [0.0, -40.0, 100.0][i % 3] } else { 0.0 })
@@ -106,8 +119,15 @@ fn modes_bring_a_body_to_full_order() {
         let load = BodyLoad { hub: [50.0, -300.0], gravity: 1e3, ..BodyLoad::default() };
         let errors = [0, 8, 24, 500].map(|count| {
             let condensed = condensed(&mesh, !hub.is_empty(), count);
-            let reduced =
-                ReducedBody::new(&condensed, count, material.damping, &scheme, (hub, 1e7), None).unwrap();
+            let reduced = ReducedBody::new(
+                &condensed,
+                count,
+                material.damping,
+                &scheme,
+                HubSprings { free: hub, vertical: 1e7, axle: 1e6 },
+                None,
+            )
+            .unwrap();
             let start = (Vector2::new(0.1, -0.2), Vector2::new(3.0, 50.0));
             let start = if hub.is_empty() { Default::default() } else { start };
             let (mut a, mut b) = (full.in_motion(&start.0, &start.1), reduced.in_motion(&start.0, &start.1));
@@ -132,6 +152,7 @@ fn modes_bring_a_body_to_full_order() {
 fn a_body_without_modes_is_refused() {
     let body = CondensedBody { modes: None, ..condensed(&block(), false, 1) };
     let scheme = Newmark::new(1e-6, 0.0);
-    let refused = ReducedBody::new(&body, 8, 0.0, &scheme, (&[], 0.0), None).map(|_| ()).unwrap_err();
+    let refused =
+        ReducedBody::new(&body, 8, 0.0, &scheme, HubSprings::default(), None).map(|_| ()).unwrap_err();
     assert!(refused.to_string().contains("no modes"), "{refused}");
 }

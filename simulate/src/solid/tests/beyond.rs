@@ -59,6 +59,7 @@ impl Blocks {
                 enforcement: Enforcement::Exact,
                 field: ContactField::Hybrid,
                 path: None,
+                axle: 0.0,
             });
         });
     }

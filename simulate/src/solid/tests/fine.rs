@@ -98,6 +98,7 @@ impl Crowned {
                 enforcement: Enforcement::Exact,
                 field: self.field,
                 path: None,
+                axle: 0.0,
             };
             let mut all = |step: &Step| {
                 see(step);

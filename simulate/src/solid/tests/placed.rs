@@ -198,6 +198,7 @@ impl Sprung {
             enforcement: Enforcement::Exact,
             field,
             path: None,
+            axle: 0.0,
         };
         let velocity = Vector2::new(sign * VELOCITY[0], VELOCITY[1]);
         let scenario = Scenario::new(steps, DURATION / steps as f64, friction);

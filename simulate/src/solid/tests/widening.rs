@@ -46,6 +46,7 @@ fn struck(ahead: &[f64]) -> f64 {
             enforcement: Enforcement::Exact,
             field: ContactField::Hybrid,
             path: None,
+            axle: 0.0,
         };
         let velocity = Vector2::new(0.0, STROKE / STEP);
         let run = model.run_from(&velocity, &quiet(1, STEP), &Silent, &mut |_| Ok(None)).unwrap();
