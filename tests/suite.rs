@@ -43,6 +43,7 @@ mod store;
 mod streams;
 mod table;
 mod tables;
+mod transfer;
 mod user_meshes;
 mod user_sections;
 mod validation;
