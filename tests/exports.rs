@@ -1,7 +1,7 @@
 //! `railspring export`: the files of every format against the law that they are of, in the programs that read them as far as
 //! these can be had.
 //!
-//! Units as in the files: m and N, or mm and kN where the name says so. OpenSees, STEM and CalculiX are not needed to build or use the
+//! Units as in the files: m and N, or mm and kN where the name says so. OpenSees, Exudyn, STEM and CalculiX are not needed to build or use the
 //! tool; without them their tests are counted as skipped.
 
 mod programs;

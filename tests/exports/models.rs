@@ -143,7 +143,7 @@ fn opensees_runs_the_load_case() {
     assert!(p < STEPS && q < STEPS, "{p} {q}");
 }
 
-/// Goal: a model says what it is of, and has each constant with its meaning; what it cannot be is refused with the option or key, and what to do.
+/// Goal: a model says what it is of, and has each constant with its meaning, the mass of a load case too; what it cannot be is refused with the option or key, and what to do.
 #[test]
 fn models_say_what_they_need() {
     for (format, stem) in [("lumped-exudyn", "wheel_rail_exudyn"), ("lumped-opensees", "wheel_rail_opensees")]
@@ -156,6 +156,10 @@ fn models_say_what_they_need() {
         }
         assert!(!model.contains("CONSTANTS"));
     }
+    // what the load case's wheel weighs more sits at the hub
+    let heavier = "export out/stiffness.json --to lumped-exudyn --study study.toml --case pushed --set scenario.pushed.wheel_mass_t=0.4 -o heavier";
+    let heavier = export_of(run(), &heavier.split(' ').collect::<Vec<_>>());
+    assert!(text(&heavier, "wheel_rail_exudyn.py").contains("\nHUB_MASS = 400.0  # "));
     let springs = ["export", "out/stiffness.json", "--to", "lumped-exudyn", "-o", "none"];
     let study = ["--study", "study.toml"];
     for (more, parts) in [

@@ -1,7 +1,8 @@
 """A railway wheel on its rail in Exudyn, with the lumped contact element of railspring.
 
-The wheel is a hub with oscillators that move its rim. The rail is the modes of its beam. A bushing joins the beam's section under the wheel to the head of the rail. Between head and rim lies a
-Winkler foundation: strips across the track with Coulomb friction. Rim and head have no mass.
+The wheel is a hub with oscillators that move its rim. The rail is the modes of its beam. A bushing joins the
+beam's section under the wheel to the head of the rail. Between head and rim lies a Winkler foundation: strips
+across the track with Coulomb friction. Rim and head have no mass.
 
 With the hub's motion u, the oscillators' displacements q, the rail modes' s, and the contact force f on the rim:
 

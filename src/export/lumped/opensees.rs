@@ -11,10 +11,6 @@ use crate::export::spring::ExportFile;
 /// The text behind the constants. Contact elements of OpenSees 3.7.1 with friction (`zeroLengthContactNTS2D`, `SimpleContact2D`) lose it where a wheel slides over several segments.
 const TEXT: &str = include_str!("opensees.py");
 
-/// Time steps in a row of the history, for rows of half a millisecond: the forces of load case 4.1 change by 0.2 % of their peaks (RMS) with half of them.
-const STEPS: f64 = 16.0;
-const ROW: f64 = 0.5e-3;
-
 /// An oscillator turns the rim about a pole, which is no farther away than this, m.
 const FARTHEST_POLE: f64 = 1e3;
 
@@ -34,34 +30,11 @@ const MOST_ELEMENTS: usize = 98;
 /// [`InputError`] for a wheel beside the middle of the rail, and for oscillators that these hinges cannot be.
 pub(in crate::export) fn files(case: &LumpedCase<'_>) -> Result<Vec<ExportFile>> {
     check(case)?;
-    let LumpedCase { scenario, set, damping: [of_rail, of_wheel], beam, .. } = case;
+    let LumpedCase { damping: [of_rail, _], beam, .. } = case;
     let (beam, bushing) = (&beam.beam, beam.bushing);
     let mut c = Constants::default();
     case.write_load_case(&mut c);
-    c.count("STEPS", (STEPS * scenario.time_step / ROW).ceil().max(1.0) as usize, "time steps in a row");
-    c.about("Wheel");
-    c.numbers(
-        "WHEEL_ORIGIN",
-        case.wheel_origin,
-        "m, origin (y, z) of the wheel's profile where the wheel just touches",
-    );
-    c.number("HUB_MASS", set.hub.mass, "kg, of the whole wheel");
-    let of = |value: fn(&Oscillator) -> f64| set.oscillators.iter().map(value);
-    c.numbers("OSCILLATOR_FREQUENCY", of(|o| o.frequency), "Hz, with the hub held");
-    c.numbers("RIM_LATERAL", of(|o| o.lateral), "displacement of the rim along y");
-    c.numbers("RIM_TURN", of(|o| o.turn), "1/m, rotation of the rim");
-    c.numbers(
-        "COUPLING_LATERAL",
-        of(|o| o.coupling[0]),
-        "kg, with the hub's motion along y; one at most is not zero",
-    );
-    c.numbers("COUPLING_VERTICAL", of(|o| o.coupling[1]), "kg, with the hub's motion along z");
-    c.number(
-        "RIM_OFFSET",
-        set.offset,
-        "m, of the profile's origin from the point of the rim that does not rise",
-    );
-    c.number("WHEEL_DAMPING", *of_wheel, "s, in proportion to stiffness");
+    case.write_wheel(&mut c);
     c.about("Rail, with the corrections of shear and torsion to the solid rail");
     let (section, material) = (beam.section(), case.rail_material);
     let shear = material.young / (2.0 * (1.0 + material.poisson));
@@ -104,7 +77,7 @@ fn check(case: &LumpedCase<'_>) -> Result<()> {
         return InputError::refuse("simulation.rail_elements", beam.elements(), expected, remedy);
     }
     let oscillators = &case.set.oscillators;
-    if let Some(coupling) = too_large(oscillators, case.set.hub.mass) {
+    if let Some(coupling) = too_large(oscillators, case.hub_mass()) {
         let expected = "one large coupling along y, and small ones beside it";
         return InputError::refuse("lumped.oscillators[].coupling_kg", coupling, expected, remedy);
     }
