@@ -82,7 +82,7 @@ impl<'a> LumpedCase<'a> {
                 "stiffness_by_angle.json: lumped",
                 "(missing)",
                 format!("a lumped element: {reason}"),
-                "calibrate again",
+                "calibrate again, with the load case in the study",
             )
         })?;
         let element = LumpedElement::from(lumped);
