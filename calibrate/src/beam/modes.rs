@@ -131,7 +131,7 @@ mod tests {
         const TORSION: f64 = 7e-3;
         for angle in [0.0, 0.3] {
             let beam = thin([End::Fixed; 2], angle);
-            let found = beam.modes_at(1.0, 450.0).unwrap();
+            let found = beam.modes_at(1.0, 2500.0).unwrap();
             let section = beam.section();
             let bending =
                 |stiffness: f64, root: f64| root * root / (TAU * 4.0) * (stiffness / section.mass).sqrt();
@@ -152,7 +152,7 @@ mod tests {
             ] {
                 let moved = found.modes.iter().filter(|mode| mode.section.dot(&direction).abs() > 1e-6);
                 let frequencies: Vec<f64> = moved.map(|mode| mode.square.sqrt() / TAU).collect();
-                assert_eq!(frequencies.len(), 2, "{direction:?} {frequencies:?} {exact:?}");
+                assert!(frequencies.len() >= 2, "{direction:?} {frequencies:?} {exact:?}");
                 for (found, exact) in frequencies.iter().zip(exact) {
                     assert!((found / exact - 1.0).abs() < accuracy, "{found} {exact}");
                 }
