@@ -99,10 +99,10 @@ pub(super) fn files(
         Format::Stem => vec![power::stem(spring)],
         Format::Rose => vec![power::rose(spring)],
         Format::Gensys => {
-            let surfaces = Surfaces::of(study, "GENSYS")?;
+            let surfaces = Surfaces::of(study, "GENSYS wants the profiles")?;
             gensys::files(spring, &surfaces, &by_angle()?)?
         }
-        Format::Contact => contact::files(spring, &Surfaces::of(study, "CONTACT")?)?,
+        Format::Contact => contact::files(spring, &Surfaces::of(study, "CONTACT wants the profiles")?)?,
         Format::Calculix => vec![deck::file(spring, DeckFormat::Calculix)],
         Format::Abaqus => vec![deck::file(spring, DeckFormat::Abaqus)],
         Format::Matlab => vec![columns::matlab(spring)],

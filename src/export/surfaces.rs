@@ -20,16 +20,16 @@ pub(super) struct Surfaces<'a> {
 }
 
 impl<'a> Surfaces<'a> {
-    /// The study's surfaces.
+    /// The study's surfaces; what is `wanted` of it is said where there is none.
     ///
     /// # Errors
     /// [`InputError`] without a study; those of the geometry.
-    pub fn of(study: Option<&'a Study>, program: &str) -> Result<Self> {
+    pub fn of(study: Option<&'a Study>, wanted: &str) -> Result<Self> {
         let study = study.ok_or_else(|| {
             InputError::new(
                 "--study",
                 "(missing)",
-                format!("the study of the springs: {program} wants the profiles, too"),
+                format!("the study of the springs: {wanted}, too"),
                 "name it with --study STUDY.toml",
             )
         })?;

@@ -10,7 +10,7 @@ use railspring_simulate::time::scenario::{HarmonicForce, Kelvin, Scenario};
 use super::constants::Constants;
 use super::surfaces::LumpedSurfaces;
 use crate::export::spring::plain;
-use crate::results::bodies::geometry::geometry;
+use crate::export::surfaces::Surfaces;
 use crate::results::by_angle::record::StiffnessByAngleRecord;
 use crate::results::run::input::SimpleRunInput;
 use crate::results::run::make::model_of_solids;
@@ -66,14 +66,7 @@ impl<'a> LumpedCase<'a> {
         record: &StiffnessRecord,
         laws: &StiffnessByAngleRecord,
     ) -> Result<Self> {
-        let study = study.ok_or_else(|| {
-            InputError::new(
-                "--study",
-                "(missing)",
-                "the study of the springs: a model wants its load case, too",
-                "name it with --study STUDY.toml",
-            )
-        })?;
+        let Surfaces { study, geometry } = Surfaces::of(study, "a model wants its load case")?;
         let (name, case) = chosen(study, name)?;
         check(name, case)?;
         let lumped = laws.lumped.as_ref().ok_or_else(|| {
@@ -86,7 +79,6 @@ impl<'a> LumpedCase<'a> {
             )
         })?;
         let element = LumpedElement::from(lumped);
-        let geometry = geometry(study.statics())?;
         let input = SimpleRunInput::of(study, case);
         // with a node in the middle
         let elements = study.simulation.rail_elements.next_multiple_of(2);

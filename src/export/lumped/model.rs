@@ -6,8 +6,9 @@ use super::case::LumpedCase;
 use super::constants::Constants;
 use crate::export::spring::{ExportFile, commented};
 
-/// Where the constants stand in the text of a model.
-const PLACE: &str = "# CONSTANTS\n";
+/// Where the constants stand in the text of a model, and where the interpolation of the wheel's table does.
+const CONSTANTS: &str = "# CONSTANTS\n";
+const ON_WHEEL: &str = "    # ON_WHEEL\n";
 
 /// The model of a program: its heading, the constants, and the text that runs them, which reads the tables from the file beside it.
 pub(super) fn model(
@@ -17,9 +18,11 @@ pub(super) fn model(
     constants: &Constants,
     text: &str,
 ) -> Vec<ExportFile> {
+    let whole = text.replacen(CONSTANTS, constants.text(), 1);
+    let whole = whole.replacen(ON_WHEEL, include_str!("on_wheel.py"), 1);
     let heading = commented("#", &case.heading(program));
     vec![
-        ExportFile { name: format!("{stem}.py"), text: heading + &text.replacen(PLACE, constants.text(), 1) },
+        ExportFile { name: format!("{stem}.py"), text: heading + &whole },
         ExportFile { name: format!("{stem}.json"), text: case.surfaces.json() },
     ]
 }
