@@ -7,5 +7,6 @@ pub mod record;
 pub mod columns;
 pub mod make;
 pub mod figure;
+pub(crate) mod lumped_table;
 pub mod statics_figure;
 pub mod stage;

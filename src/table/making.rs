@@ -140,7 +140,7 @@ impl CaseWork<'_> {
             let coarser = study
                 .statics()
                 .wants_error_band()
-                .then(|| source.coarser(study.statics(), geometry, meshes))
+                .then(|| source.coarser(study.statics(), geometry, meshes, 0))
                 .transpose()?;
             let coarser = coarser.map(|coarser| (meshes.contact_element(), coarser));
             Ok((bodies, coarser))

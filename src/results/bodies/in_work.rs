@@ -85,12 +85,12 @@ impl<'a> Solids<'a> {
         }
     }
 
-    /// The bodies of coarser meshes.
+    /// The bodies of coarser meshes, the wheel with modes if the study has them.
     ///
     /// # Errors
     /// Those of condensing them.
     pub fn coarser(&self, geometry: &Geometry, meshes: &Meshes) -> Result<CoarserBodies> {
-        self.body_source().coarser(self.input.statics, geometry, meshes)
+        self.body_source().coarser(self.input.statics, geometry, meshes, self.input.modes)
     }
 
     /// The runs on the solids that the store does not have, as far as that can be said now.

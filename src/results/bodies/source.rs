@@ -68,15 +68,25 @@ impl BodySource<'_> {
     /// # Errors
     /// Those of condensing them, and an interruption.
     pub fn condensed(&self, solids: &PairSolids<'_>, which: &str, modes: usize) -> Result<CondensedPair> {
+        self.pair(solids, which, |_| modes)
+    }
+
+    /// The same with as many modes of each body as it has.
+    fn pair(
+        &self,
+        solids: &PairSolids<'_>,
+        which: &str,
+        modes: impl Fn(PairBody) -> usize + Sync,
+    ) -> Result<CondensedPair> {
         self.said(which, |say| {
-            let get = |body| self.body(solids, body, modes, &|text| say(body, text));
+            let get = |body| self.body(solids, body, modes(body), &|text| say(body, text));
             let said = (&*format!("superelements{which}"), self.monitor);
             let bodies = condense_all(said, PairBody::of_pair(self.foot_held), self.together, get)?;
             CondensedPair::new(bodies)
         })
     }
 
-    /// The bodies of coarser meshes, which error bands are from.
+    /// The bodies of coarser meshes, which error bands are from, the wheel with `modes` modes.
     ///
     /// # Errors
     /// Those of coarser meshes, and as [`Self::condensed`].
@@ -85,9 +95,11 @@ impl BodySource<'_> {
         statics: Statics<'_>,
         geometry: &Geometry,
         meshes: &Meshes,
+        modes: usize,
     ) -> Result<CoarserBodies> {
         coarser::coarser_bodies(statics, geometry, meshes, |coarser| {
-            self.condensed(&solids::solids(statics, geometry, coarser), " of coarser elements", 0)
+            let modes = |body| if body == PairBody::Wheel { modes } else { 0 };
+            self.pair(&solids::solids(statics, geometry, coarser), " of coarser elements", modes)
         })
     }
 

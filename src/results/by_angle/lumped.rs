@@ -40,6 +40,36 @@ pub struct LumpedRecord {
     pub displacement: Option<HubDeviationRecord>,
     /// What of the motions of rim and head a section that moves without distortion does not have, relative.
     pub section_misfit: [f64; 2],
+    /// What the constants are worth; left out where the study wants no error bands.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error_band: Option<LumpedBandRecord>,
+}
+
+/// How far the constants of hub, oscillators and bushing change on bodies of elements twice as large. The strips are worth what the laws by contact angle are that they are fitted to.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct LumpedBandRecord {
+    /// Edge of the contact elements of the coarser meshes, mm; none where there are none.
+    pub coarser_element_mm: Option<f64>,
+    /// Why there is no band, if so.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub missing: Option<String>,
+    /// Half the width of the band of each constant, in its own unit: the size of its change.
+    pub constants: Option<LumpedConstantsRecord>,
+}
+
+/// The constants of hub, oscillators and bushing, as in the lumped element.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct LumpedConstantsRecord {
+    /// The hub.
+    pub hub: HubRecord,
+    /// The oscillators.
+    pub oscillators: Vec<OscillatorRecord>,
+    /// See `rim_offset_mm` there.
+    pub rim_offset_mm: f64,
+    /// The bushing.
+    pub bushing: BushingRecord,
+    /// The bushing on a section that is held.
+    pub bushing_on_section: BushingRecord,
 }
 
 /// The hub.
@@ -151,8 +181,8 @@ impl From<&BushingRecord> for Bushing {
     }
 }
 
-impl From<&LumpedElement> for LumpedRecord {
-    fn from(LumpedElement { set, strips, misfit }: &LumpedElement) -> Self {
+impl From<&LumpedSet> for LumpedConstantsRecord {
+    fn from(set: &LumpedSet) -> Self {
         let Hub { mass, inertia, gravity_centre, centre } = set.hub;
         let oscillator = |of: &Oscillator| OscillatorRecord {
             frequency_hz: of.frequency,
@@ -160,11 +190,6 @@ impl From<&LumpedElement> for LumpedRecord {
             rim_turn_per_m: of.turn,
             coupling_kg: of.coupling,
             coupling_turn_kg_m: of.turn_coupling,
-        };
-        let strip = |place: &StripPlace| LinearStripRecord {
-            rail_s_mm: place.rail_s / MILLIMETRE,
-            modulus_gpa: place.modulus.normal / GIGAPASCAL,
-            tangential_gpa: place.modulus.tangential / GIGAPASCAL,
         };
         Self {
             hub: HubRecord {
@@ -177,11 +202,31 @@ impl From<&LumpedElement> for LumpedRecord {
             rim_offset_mm: set.offset / MILLIMETRE,
             bushing: BushingRecord::from(&set.bushing),
             bushing_on_section: BushingRecord::from(&set.on_section),
+        }
+    }
+}
+
+impl From<&LumpedElement> for LumpedRecord {
+    fn from(LumpedElement { set, strips, misfit }: &LumpedElement) -> Self {
+        let LumpedConstantsRecord { hub, oscillators, rim_offset_mm, bushing, bushing_on_section } =
+            set.into();
+        let strip = |place: &StripPlace| LinearStripRecord {
+            rail_s_mm: place.rail_s / MILLIMETRE,
+            modulus_gpa: place.modulus.normal / GIGAPASCAL,
+            tangential_gpa: place.modulus.tangential / GIGAPASCAL,
+        };
+        Self {
+            hub,
+            oscillators,
+            rim_offset_mm,
+            bushing,
+            bushing_on_section,
             held_end: set.held_end.as_ref().map(HeldEndRecord::from),
             strips: strips.places().iter().map(strip).collect(),
             strips_max_rel_error: strips.misfit,
             displacement: None,
             section_misfit: *misfit,
+            error_band: None,
         }
     }
 }

@@ -23,7 +23,7 @@ use crate::results::bodies::geometry::Geometry;
 use crate::results::bodies::places::{loads_by_angle, shifts, tape_y};
 use crate::results::by_angle::element::{ElementRecord, HubDeviationRecord};
 use crate::results::by_angle::input::ByAngleInput;
-use crate::results::by_angle::lumped::LumpedRecord;
+use crate::results::by_angle::lumped::{LumpedBandRecord, LumpedConstantsRecord, LumpedRecord};
 use crate::results::by_angle::record::{
     AngleLawRecord, ContactRecord, FixedLoadRecord, FixedReferenceRecord, PatchBandRecord, ShiftRecord,
     ShiftTouchRecord, StiffnessByAngleRecord,
@@ -63,11 +63,10 @@ pub fn by_angle(
     };
     let places: Vec<f64> = shifts.iter().map(|shift| tape_y(statics, pair, *shift)).collect();
     let laws = law_by_shift(pair, bodies, &settings, &places, monitor)?;
-    let bands = if statics.wants_error_band() {
-        let (element, coarser) = coarser()?;
-        bands(geometry, bodies, (element, &coarser), &settings, &laws, monitor)?
-    } else {
-        vec![None; laws.len()]
+    let coarser = statics.wants_error_band().then(coarser).transpose()?;
+    let bands = match &coarser {
+        Some((element, coarser)) => bands(geometry, bodies, (*element, coarser), &settings, &laws, monitor)?,
+        None => vec![None; laws.len()],
     };
     let elements = input.modes.is_some().then(|| -> Result<_> {
         let places: Vec<PlaceApproaches> = laws.iter().filter_map(PlaceApproaches::of).collect();
@@ -75,10 +74,11 @@ pub fn by_angle(
         let friction = statics.contact.friction;
         let bodies = ElementBodies::new(pair, bodies, geometry.beam.length())?;
         let element = fitted_element(&bodies, beam, places.clone(), friction)?;
-        Ok((element, fitted_lumped(&bodies, beam, places, friction)?))
+        let band = coarser.as_ref().map(|(_, coarser)| lumped_band(geometry, &bodies, coarser));
+        Ok((element, fitted_lumped(&bodies, beam, places, friction)?, band))
     });
     let (element, lumped, element_missing) = match elements {
-        Some(Ok((element, lumped))) => (Some(element), Some(lumped), None),
+        Some(Ok((element, lumped, band))) => (Some(element), Some((lumped, band)), None),
         Some(Err(reason)) => (None, None, Some(reason.to_string())),
         None => (None, None, None),
     };
@@ -87,7 +87,7 @@ pub fn by_angle(
         entries.map(|(shift, (law, band))| shift_record(*shift, law, band)).collect();
     let springs = published_springs(stiffness);
     let published = springs.as_ref().map(|springs| (springs, stiffness.wheel_mass()));
-    let of_lumped = lumped.as_ref().map(PairElement::from);
+    let of_lumped = lumped.as_ref().map(|(lumped, _)| PairElement::from(lumped));
     let of_solids = [element.as_ref(), of_lumped.as_ref()];
     enter_statics(statics, geometry, (&mut records, &places), of_solids, published)?;
     let displacement = farthest(&records, |load| load.condensed_displacement_mm);
@@ -98,9 +98,11 @@ pub fn by_angle(
         element: element
             .as_ref()
             .map(|element| ElementRecord { displacement, ..ElementRecord::from(element) }),
-        lumped: lumped
-            .as_ref()
-            .map(|lumped| LumpedRecord { displacement: of_lumped, ..LumpedRecord::from(lumped) }),
+        lumped: lumped.map(|(lumped, error_band)| LumpedRecord {
+            displacement: of_lumped,
+            error_band,
+            ..LumpedRecord::from(&lumped)
+        }),
         element_missing,
         shifts: records,
         pair: statics.pair(),
@@ -161,6 +163,24 @@ fn bands(
     let changed = changed_by_shift(pair, bodies, bodies_of(coarser), replicates, settings, laws, monitor)?;
     let band = |(points, changed): (_, _)| band_record(&points, changed, element, coarser);
     Ok(changed.into_iter().map(|changed| changed.map(band)).collect())
+}
+
+/// What the constants of the lumped element are worth, by the bodies of coarser meshes beside its own.
+fn lumped_band(geometry: &Geometry, bodies: &ElementBodies<'_>, coarser: &CoarserBodies) -> LumpedBandRecord {
+    let changes = match coarser {
+        Ok(coarser) => ElementBodies::new(&geometry.pair, &coarser.bodies, geometry.beam.length())
+            .map_err(|reason| reason.to_string())
+            .and_then(|coarser| {
+                let changes = bodies.lumped_set().changes_to(&coarser.lumped_set());
+                changes.ok_or_else(|| "coarser bodies have another number of oscillators".into())
+            }),
+        Err(reason) => Err(reason.clone()),
+    };
+    LumpedBandRecord {
+        coarser_element_mm: coarser.as_ref().ok().map(|coarser| coarser.contact_element / MILLIMETRE),
+        missing: changes.as_ref().err().cloned(),
+        constants: changes.ok().as_ref().map(LumpedConstantsRecord::from),
+    }
 }
 
 fn shift_record(

@@ -110,6 +110,7 @@ pub fn build(data: &ReportData<'_>) -> Report {
             "assumed": tables::assumed(&stiffness),
             "assumed_bodies": assumed_bodies,
             "worth_by_angle": data.by_angle.and_then(by_angle::figure::worth),
+            "lumped": data.by_angle.and_then(|laws| laws.lumped.as_ref()).map(by_angle::lumped_table::table),
             "scenarios": scenarios,
             "crosscheck": chapter,
             "lines": tables::lines(data.verdict),

@@ -350,12 +350,12 @@ pub(crate) fn by_angle() -> StiffnessByAngleRecord {
 
 /// A lumped element of two oscillators.
 pub(crate) fn lumped() -> LumpedRecord {
-    let oscillator = |frequency_hz: f64, coupling_kg: [f64; 2]| OscillatorRecord {
+    let oscillator = |frequency_hz: f64, coupling_kg: [f64; 2], coupling_turn_kg_m: f64| OscillatorRecord {
         frequency_hz,
         rim_lateral: 0.1,
         rim_turn_per_m: -0.3,
         coupling_kg,
-        coupling_turn_kg_m: -4.2,
+        coupling_turn_kg_m,
     };
     let bushing = |turn_knm_per_rad: f64| BushingRecord {
         lateral_kn_per_m: 1.5e6,
@@ -371,7 +371,7 @@ pub(crate) fn lumped() -> LumpedRecord {
             gravity_centre_mm: [-5.0, 0.5],
             centre_mm: [0.0, -429.0],
         },
-        oscillators: vec![oscillator(188.0, [0.0, 0.3]), oscillator(265.0, [-15.5, 0.0])],
+        oscillators: vec![oscillator(188.0, [0.0, 0.3], -4.2), oscillator(265.0, [-15.5, 0.0], -0.03)],
         rim_offset_mm: 2.0,
         bushing: bushing(1.9e3),
         bushing_on_section: bushing(1.6e3),
@@ -380,5 +380,6 @@ pub(crate) fn lumped() -> LumpedRecord {
         strips_max_rel_error: 0.2,
         displacement: None,
         section_misfit: [0.01, 0.05],
+        error_band: None,
     }
 }

@@ -93,15 +93,20 @@ impl<'a> ElementBodies<'a> {
         })
     }
 
+    /// Hub, oscillators and bushing of the lumped element.
+    pub fn lumped_set(&self) -> LumpedSet {
+        let arm = Point2::from(self.pair.tape()) - self.pair.node_line();
+        let of_head = HeadOfElement { on_section: self.head.flexibility, held_end: Some(&self.held_end) };
+        LumpedSet::new(&self.wheel, &of_head, arm)
+    }
+
     /// The lumped element with laws by contact angle.
     ///
     /// # Errors
     /// [`InputError`] for laws without a place.
     pub fn lumped(&self, laws: &[PlaceApproaches]) -> Result<LumpedElement> {
-        let Self { pair, modulus, wheel, rim, head, held_end } = self;
-        let arm = Point2::from(pair.tape()) - pair.node_line();
-        let of_head = HeadOfElement { on_section: head.flexibility, held_end: Some(held_end) };
-        let set = LumpedSet::new(wheel, &of_head, arm);
+        let Self { pair, modulus, rim, head, .. } = self;
+        let set = self.lumped_set();
         let misfit = [rim.misfit, head.misfit];
         let of_rim = SectionFlexibility { flexibility: set.wheel().rim_flexibility(), misfit: rim.misfit };
         let of_head = SectionFlexibility { flexibility: set.on_section.flexibility(), misfit: head.misfit };

@@ -201,6 +201,45 @@ impl LumpedSet {
         }
     }
 
+    /// The sizes of what the constants of another set of the same pair differ by, those near held ends left out; none where it has another number of oscillators. An oscillator counts as the other one, whichever way its
+    /// displacement is positive.
+    pub fn changes_to(&self, other: &Self) -> Option<Self> {
+        if self.oscillators.len() != other.oscillators.len() {
+            return None;
+        }
+        let off = |a: f64, b: f64| (a - b).abs();
+        let both = |a: [f64; 2], b: [f64; 2]| [off(a[0], b[0]), off(a[1], b[1])];
+        let oscillator = |(a, b): (&Oscillator, &Oscillator)| {
+            let turned = if a.lateral * b.lateral + a.turn * b.turn < 0.0 { -1.0 } else { 1.0 };
+            Oscillator {
+                frequency: off(a.frequency, b.frequency),
+                lateral: off(a.lateral, turned * b.lateral),
+                turn: off(a.turn, turned * b.turn),
+                coupling: both(a.coupling, b.coupling.map(|mass| turned * mass)),
+                turn_coupling: off(a.turn_coupling, turned * b.turn_coupling),
+            }
+        };
+        let bushing = |a: &Bushing, b: &Bushing| Bushing {
+            lateral: off(a.lateral, b.lateral),
+            vertical: off(a.vertical, b.vertical),
+            turn: off(a.turn, b.turn),
+            height: off(a.height, b.height),
+        };
+        Some(Self {
+            hub: Hub {
+                mass: off(self.hub.mass, other.hub.mass),
+                inertia: off(self.hub.inertia, other.hub.inertia),
+                gravity_centre: both(self.hub.gravity_centre, other.hub.gravity_centre),
+                centre: both(self.hub.centre, other.hub.centre),
+            },
+            oscillators: self.oscillators.iter().zip(&other.oscillators).map(oscillator).collect(),
+            offset: off(self.offset, other.offset),
+            bushing: bushing(&self.bushing, &other.bushing),
+            on_section: bushing(&self.on_section, &other.on_section),
+            held_end: None,
+        })
+    }
+
     /// The wheel.
     pub fn wheel(&self) -> ElasticWheel {
         let Hub { mass, inertia, gravity_centre: [y, z], centre } = self.hub;
@@ -366,5 +405,39 @@ mod tests {
         assert!((made.mass - given.mass).amax() < ROUNDOFF * 308.0, "{}", made.mass);
         assert_eq!((made.hub, set.hub.mass), (given.hub, 308.0));
         assert_eq!(set.held_end, None);
+    }
+
+    /// Source: subtraction by hand. Goal: a set differs from another one by the sizes of the differences (Hz, m, kg, N/m), whichever way an oscillator is positive, and from itself by nothing; one with another number of oscillators has no
+    /// differences. Accuracy: ROUNDOFF of the larger number.
+    #[test]
+    fn sets_differ_by_the_sizes_of_their_differences() {
+        let own = set(&wheel(), &head(), None);
+        let mut other = own.clone();
+        let last = other.oscillators.last_mut().unwrap();
+        *last = Oscillator {
+            frequency: last.frequency + 2.0,
+            lateral: -last.lateral,
+            turn: -last.turn - 0.01,
+            ..*last
+        };
+        let second = &mut other.oscillators[1];
+        second.coupling = [-second.coupling[0] - 0.5, 0.0];
+        (second.lateral, second.turn) = (-second.lateral, -second.turn);
+        other.bushing.turn -= 1e4;
+        other.offset -= 1e-4;
+        let changes = own.changes_to(&other).unwrap();
+        let near = |found: f64, exact: f64, of: f64| {
+            assert!((found - exact).abs() < ROUNDOFF * of, "{found} {exact}")
+        };
+        near(changes.oscillators[2].frequency, 2.0, 430.0);
+        near(changes.oscillators[2].lateral, 0.0, 1.0);
+        near(changes.oscillators[2].turn, 0.01, 1.0);
+        near(changes.oscillators[1].coupling[0], 0.5, 20.0);
+        near(changes.bushing.turn, 1e4, 1e7);
+        near(changes.offset, 1e-4, 1.0);
+        assert_eq!(changes.hub.mass, 0.0);
+        assert_eq!(changes.oscillators[0], own.changes_to(&own).unwrap().oscillators[0]);
+        other.oscillators.pop();
+        assert_eq!(own.changes_to(&other), None);
     }
 }
