@@ -20,7 +20,7 @@ mod table_rows;
 use std::path::Path;
 
 use format::files;
-use lumped::LumpedCase;
+use lumped::{LumpedCase, LumpedPair};
 use railspring_calibrate::law::Form;
 use railspring_profiles::error::{InputError, Result};
 use serde::Deserialize;
@@ -89,15 +89,20 @@ impl Wanted<'_> {
         let refuse = |option: &str, value: String, expected: &str| {
             InputError::refuse(option, value, expected, "leave it out, or name another format with --to")
         };
-        if self.format.is_model() {
+        if self.format.is_lumped() {
             if let Some(reference) = self.reference {
                 return refuse("--reference", format!("{reference:?}"), "a format with one law");
             }
             if let Some(law) = self.law {
                 return refuse("--law", Form::from(law).name().into(), "a format with one law");
             }
-        } else if let Some(case) = self.case {
-            return refuse("--case", format!("{case:?}"), "a model, whose format begins with lumped-");
+        }
+        if let (Some(case), false) = (self.case, self.format.is_model()) {
+            return refuse(
+                "--case",
+                format!("{case:?}"),
+                "a model that runs: lumped-exudyn, lumped-opensees or lumped-stem",
+            );
         }
         Ok(())
     }
@@ -123,12 +128,25 @@ pub fn of_calibration(
         )
         .into());
     }
-    if wanted.format.is_model() {
-        let case = LumpedCase::of(study, wanted.case, record, &laws_beside(path, record)?)?;
-        return Ok(match wanted.format {
-            Format::LumpedOpensees => lumped::opensees(&case)?,
-            _ => lumped::exudyn(&case),
-        });
+    if wanted.format.is_lumped() {
+        let what = if wanted.format.is_model() {
+            "a model wants its load case"
+        } else {
+            "the wheel wants its place"
+        };
+        let pair = LumpedPair::of(study, what, record, &laws_beside(path, record)?)?;
+        return match wanted.format {
+            Format::LumpedSimpack => Ok(lumped::simpack(&pair)),
+            Format::LumpedGensys => lumped::gensys(&pair),
+            format => {
+                let case = LumpedCase::of(pair, wanted.case, record)?;
+                match format {
+                    Format::LumpedOpensees => lumped::opensees(&case),
+                    Format::LumpedStem => lumped::stem(&case),
+                    _ => Ok(lumped::exudyn(&case)),
+                }
+            }
+        };
     }
     let form = wanted.law.map_or(wanted.format.usual_form(), Form::from);
     let spring = Spring::of_calibration(&path.display().to_string(), record, wanted.reference, form)?;

@@ -40,6 +40,12 @@ pub enum Format {
     LumpedExudyn,
     /// The lumped element with a load case as a model of OpenSees; with --study
     LumpedOpensees,
+    /// The lumped element with a load case as a model of STEM, the wheel as its vehicle (UVEC); with --study
+    LumpedStem,
+    /// Wheel, bushing and constants of the lumped element for Simpack; with --study
+    LumpedSimpack,
+    /// Constants of the lumped element and modes of its wheel for GENSYS; with --study
+    LumpedGensys,
 }
 
 /// The form of the law that is exported.
@@ -67,9 +73,14 @@ impl From<LawForm> for Form {
 }
 
 impl Format {
-    /// Whether it is a model with a load case, and not one law.
+    /// Whether it is the lumped element, and not one law.
+    pub fn is_lumped(self) -> bool {
+        self.is_model() || matches!(self, Self::LumpedSimpack | Self::LumpedGensys)
+    }
+
+    /// Whether it is a model of the lumped element with a load case.
     pub fn is_model(self) -> bool {
-        matches!(self, Self::LumpedExudyn | Self::LumpedOpensees)
+        matches!(self, Self::LumpedExudyn | Self::LumpedOpensees | Self::LumpedStem)
     }
 
     /// Its name on the command line.
@@ -108,11 +119,15 @@ pub(super) fn files(
         Format::Matlab => vec![columns::matlab(spring)],
         Format::Modelica => vec![columns::modelica(spring)],
         Format::Json => vec![columns::as_json(spring)],
-        Format::LumpedExudyn | Format::LumpedOpensees => {
+        Format::LumpedExudyn
+        | Format::LumpedOpensees
+        | Format::LumpedStem
+        | Format::LumpedSimpack
+        | Format::LumpedGensys => {
             return InputError::refuse(
                 "--to",
                 format.name(),
-                "springs of a study, with its laws by contact angle and its load case",
+                "springs of a study with its laws by contact angle",
                 "export from the stiffness.json of that study",
             );
         }

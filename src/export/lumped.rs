@@ -1,12 +1,21 @@
-//! The lumped element under a load case, as a model of another program: a Python file that builds and runs it, and tables of the profiles with their strips beside it.
+//! The lumped element for other programs: as a model that runs a load case, a Python file and tables of the profiles with their strips beside it, and as the parts that a program of vehicle dynamics reads.
 
 mod constants;
 mod surfaces;
+mod pair;
 mod case;
 mod model;
 mod opensees;
 mod exudyn;
+mod stem;
+mod sid;
+mod simpack;
+mod gensys;
 
 pub(super) use case::LumpedCase;
 pub(super) use exudyn::files as exudyn;
+pub(super) use gensys::files as gensys;
 pub(super) use opensees::files as opensees;
+pub(super) use pair::LumpedPair;
+pub(super) use simpack::files as simpack;
+pub(super) use stem::files as stem;

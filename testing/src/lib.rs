@@ -19,7 +19,7 @@ use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
 pub use place::{Place, copy, message, said};
-pub use programs::{exudyn, locked, opensees, stem};
+pub use programs::{exudyn, locked, opensees, stem, stem_with_kratos};
 pub use random::Random;
 
 /// What a test can go without.

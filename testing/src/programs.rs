@@ -27,6 +27,13 @@ pub fn stem(cache: &Path) -> Option<PathBuf> {
     with(cache, "import UVEC", Need::Stem, "the vehicle models of STEM (UVEC)")
 }
 
+/// A Python that has STEM itself, with the parts of Kratos that it needs: 750 MB. As [`opensees`] where it cannot be had.
+pub fn stem_with_kratos(cache: &Path) -> Option<PathBuf> {
+    let interpreter = locked(cache, "stem", include_str!("../requirements-stem.lock"))?;
+    let there = succeeds(&interpreter, &["-I", "-c", "import stem.stem"].map(OsStr::new));
+    needs(Need::Stem, "STEM (stem-vibrations)", there).then_some(interpreter)
+}
+
 /// A Python with the packages of a `lock` with hashes, in an environment `venv-NAME` in `cache`; `None`, and the test is counted as skipped, where
 /// there is no Python, no package for this system, or no way to the index.
 pub fn locked(cache: &Path, name: &str, lock: &str) -> Option<PathBuf> {

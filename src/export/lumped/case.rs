@@ -1,17 +1,14 @@
 //! A load case on the lumped element, in SI units.
 
 use railspring_calibrate::beam::RailBeam;
-use railspring_calibrate::solid::Material;
 use railspring_profiles::error::{InputError, Result};
 use railspring_simulate::element::condensed::RailAtWheel;
-use railspring_simulate::element::condensed::parts::{Bushing, LumpedElement, LumpedSet, Oscillator};
+use railspring_simulate::element::condensed::parts::{Bushing, Oscillator};
 use railspring_simulate::time::scenario::{HarmonicForce, Kelvin, Scenario};
 
 use super::constants::Constants;
+use super::pair::LumpedPair;
 use super::surfaces::LumpedSurfaces;
-use crate::export::spring::plain;
-use crate::export::surfaces::Surfaces;
-use crate::results::by_angle::record::StiffnessByAngleRecord;
 use crate::results::run::input::SimpleRunInput;
 use crate::results::run::make::model_of_solids;
 use crate::results::springs::record::StiffnessRecord;
@@ -26,23 +23,17 @@ const OF_ROW: f64 = 0.5e-3;
 
 /// What a model of another program is made from.
 pub(in crate::export) struct LumpedCase<'a> {
+    /// Wheel and head.
+    pub pair: LumpedPair<'a>,
     /// The load case.
     pub scenario: &'a Scenario,
-    /// Wheel and head.
-    pub set: LumpedSet,
-    /// Damping over stiffness of rail and wheel, s.
-    pub damping: [f64; 2],
     /// The rail by its modes.
     pub rail: RailAtWheel,
     /// The rail as a beam.
     pub beam: BeamAtWheel,
-    /// Its material.
-    pub rail_material: &'a Material,
-    /// Origin of the wheel's profile from the line of the rail's shear centres where the wheel just touches (y, z), m.
-    pub wheel_origin: [f64; 2],
     /// Strips and running surfaces.
     pub surfaces: LumpedSurfaces,
-    heading: [String; 3],
+    heading: String,
 }
 
 /// The rail as a beam with a wheel on it.
@@ -56,71 +47,46 @@ pub(in crate::export) struct BeamAtWheel {
 }
 
 impl<'a> LumpedCase<'a> {
-    /// The load case of a `study` with a name, or its only one, on the lumped element of its laws by contact angle.
+    /// The load case with a name, or the only one, of the study of a `pair`.
     ///
     /// # Errors
-    /// [`InputError`] without the study, the element or the load case, and for load cases that these models do not have.
-    pub fn of(
-        study: Option<&'a Study>,
-        name: Option<&str>,
-        record: &StiffnessRecord,
-        laws: &StiffnessByAngleRecord,
-    ) -> Result<Self> {
-        let Surfaces { study, geometry } = Surfaces::of(study, "a model wants its load case")?;
+    /// [`InputError`] without the load case, and for load cases that these models do not have.
+    pub fn of(pair: LumpedPair<'a>, name: Option<&str>, record: &StiffnessRecord) -> Result<Self> {
+        let (study, geometry) = (pair.surfaces.study, &pair.surfaces.geometry);
         let (name, case) = chosen(study, name)?;
         check(name, case)?;
-        let lumped = laws.lumped.as_ref().ok_or_else(|| {
-            let reason = laws.element_missing.as_deref().unwrap_or("the laws by contact angle have none");
-            InputError::new(
-                "stiffness_by_angle.json: lumped",
-                "(missing)",
-                format!("a lumped element: {reason}"),
-                "calibrate again, with the load case in the study",
-            )
-        })?;
-        let element = LumpedElement::from(lumped);
         let input = SimpleRunInput::of(study, case);
         // with a node in the middle
         let elements = study.simulation.rail_elements.next_multiple_of(2);
         let beam = geometry.pair.beam(&study.rail.material, study.rail.length, elements)?;
         let correction = record.beam.factors.into();
-        let model = model_of_solids(&input, &geometry, &beam, &correction, (&element).into())?;
+        let model = model_of_solids(&input, geometry, &beam, &correction, (&pair.element).into())?;
         let beam = beam.corrected(&correction)?;
         let place = case.scenario.start_x.unwrap_or(0.5 * beam.length());
-        let origin = geometry.pair.tape() - geometry.pair.node_line().coords;
         Ok(Self {
             scenario: &case.scenario,
-            damping: [&study.rail.material, &study.wheel.material]
-                .map(|own| own.damped(study.damping).damping),
             rail: model.rail_at(place, HIGHEST)?,
             beam: BeamAtWheel { beam, place, bushing: model.bushing_on_beam(place)? },
-            rail_material: &study.rail.material,
-            wheel_origin: origin.into(),
-            surfaces: LumpedSurfaces::of(&geometry.pair, &element.strips),
-            set: element.set,
-            heading: [
-                format!(
-                    "study {}, {}; calibration {} by railspring {}",
-                    study.name,
-                    record.pair.name,
-                    record.input_hash.get(..12).unwrap_or(&record.input_hash),
-                    record.version
-                ),
-                format!("load case {name}: {}", case.description),
-                "left out: motion along the rail, torsion of the rail by a torque, and rotation of the hub"
-                    .into(),
-            ],
+            surfaces: LumpedSurfaces::of(&geometry.pair, &pair.element.strips),
+            heading: format!("load case {name}: {}", case.description),
+            pair,
         })
+    }
+
+    /// The constants of the history.
+    pub(super) fn write_history(&self, c: &mut Constants) {
+        let scenario = self.scenario;
+        c.about("History");
+        c.count("ROWS", scenario.steps, "rows of the history after the first");
+        c.number("ROW", scenario.time_step, "s, time between two rows");
+        let steps = (STEPS * scenario.time_step / OF_ROW).ceil().max(1.0);
+        c.count("STEPS", steps as usize, "time steps in a row");
     }
 
     /// The constants of load case and contact.
     pub(super) fn write_load_case(&self, c: &mut Constants) {
         let scenario = self.scenario;
         c.about("Load case");
-        c.count("ROWS", scenario.steps, "rows of the history after the first");
-        c.number("ROW", scenario.time_step, "s, time between two rows");
-        let steps = (STEPS * scenario.time_step / OF_ROW).ceil().max(1.0);
-        c.count("STEPS", steps as usize, "time steps in a row");
         c.number("FRICTION", scenario.friction, "coefficient of friction");
         c.number("GRAVITY", scenario.gravity, "m/s^2, on hub and suspended mass");
         c.number("SUSPENDED_MASS", scenario.suspended_mass, "kg");
@@ -145,16 +111,16 @@ impl<'a> LumpedCase<'a> {
 
     /// Mass of the wheel, kg; what that of a load case weighs more sits at the hub.
     pub fn hub_mass(&self) -> f64 {
-        self.scenario.wheel_mass.unwrap_or(self.set.hub.mass)
+        self.scenario.wheel_mass.unwrap_or(self.pair.element.set.hub.mass)
     }
 
     /// The constants of the wheel.
     pub(super) fn write_wheel(&self, c: &mut Constants) {
-        let set = &self.set;
+        let set = &self.pair.element.set;
         c.about("Wheel: a hub, and oscillators of 1 kg that it holds");
         c.numbers(
             "WHEEL_ORIGIN",
-            self.wheel_origin,
+            self.pair.wheel_origin(),
             "m, origin (y, z) of the wheel's profile from the line of shear centres, where the wheel just touches",
         );
         c.number("HUB_MASS", self.hub_mass(), "kg, of the whole wheel");
@@ -169,14 +135,14 @@ impl<'a> LumpedCase<'a> {
             "kg, c, mass between oscillator and hub along y",
         );
         c.numbers("COUPLING_VERTICAL", of(|o| o.coupling[1]), "kg, the same along z");
-        c.number("WHEEL_DAMPING", self.damping[1], "s, beta, damping over stiffness");
+        c.number("WHEEL_DAMPING", self.pair.damping[1], "s, beta, damping over stiffness");
     }
 
     /// What a file says first.
     pub fn heading(&self, program: &str) -> Vec<String> {
-        let what =
-            format!("Lumped wheel on its rail for {program}, by railspring {}", env!("CARGO_PKG_VERSION"));
-        std::iter::once(&what).chain(&self.heading).map(|line| plain(line)).collect()
+        let left_out =
+            "left out: motion along the rail, torsion of the rail by a torque, and rotation of the hub";
+        self.pair.heading(program, &[&self.heading, left_out])
     }
 }
 

@@ -44,7 +44,7 @@ impl Constants {
 }
 
 /// The shortest literal with [`DIGITS`] digits.
-fn literal(value: f64) -> String {
+pub(super) fn literal(value: f64) -> String {
     let rounded: f64 = format!("{value:.*e}", DIGITS - 1).parse().unwrap_or(value);
     // without the sign of a zero
     format!("{:?}", rounded + 0.0)

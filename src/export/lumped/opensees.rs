@@ -3,9 +3,9 @@
 use railspring_profiles::error::{InputError, Result};
 use railspring_simulate::element::condensed::parts::Oscillator;
 
-use super::case::LumpedCase;
+use super::case::{BeamAtWheel, LumpedCase};
 use super::constants::Constants;
-use super::model::{model, write_bushing};
+use super::model::{REMEDY, check_middle, program, tables, write_beam, write_bushing};
 use crate::export::spring::ExportFile;
 
 /// The text behind the constants. Contact elements of OpenSees 3.7.1 with friction (`zeroLengthContactNTS2D`, `SimpleContact2D`) lose it where a wheel slides over several segments.
@@ -30,63 +30,37 @@ const MOST_ELEMENTS: usize = 98;
 /// [`InputError`] for a wheel beside the middle of the rail, and for oscillators that these hinges cannot be.
 pub(in crate::export) fn files(case: &LumpedCase<'_>) -> Result<Vec<ExportFile>> {
     check(case)?;
-    let LumpedCase { damping: [of_rail, _], beam, .. } = case;
-    let (beam, bushing) = (&beam.beam, beam.bushing);
+    let BeamAtWheel { beam, bushing, .. } = &case.beam;
     let mut c = Constants::default();
+    case.write_history(&mut c);
     case.write_load_case(&mut c);
     case.write_wheel(&mut c);
-    c.about("Rail, with the corrections of shear and torsion to the solid rail");
-    let (section, material) = (beam.section(), case.rail_material);
-    let shear = material.young / (2.0 * (1.0 + material.poisson));
-    c.number("RAIL_LENGTH", beam.length(), "m");
-    c.count("RAIL_ELEMENTS", beam.elements(), "an even number: the wheel is on the node in the middle");
+    write_beam(&mut c, case);
     c.number("RAIL_ANGLE", beam.angle(), "rad, of the section's axes, from y to z");
-    c.number("YOUNG", material.young, "Pa");
-    c.number("SHEAR_MODULUS", shear, "Pa");
-    c.number("DENSITY", material.density, "kg/m^3");
-    c.number("AREA", section.mass / material.density, "m^2");
-    c.number(
-        "INERTIA_LATERAL",
-        section.bending_y / material.young,
-        "m^4, against bending along the section's y",
-    );
-    c.number(
-        "INERTIA_VERTICAL",
-        section.bending_z / material.young,
-        "m^4, against bending along the section's z",
-    );
-    c.number("SHEAR_AREA_LATERAL", section.shear_y / shear, "m^2");
-    c.number("SHEAR_AREA_VERTICAL", section.shear_z / shear, "m^2");
-    c.number("TORSION_CONSTANT", section.torsion / shear, "m^4, with the warping that the ends hold");
-    c.numbers("CENTROID", section.centroid, "m, from the shear centre along the section's y and z");
-    c.number("RAIL_DAMPING", *of_rail, "s, in proportion to stiffness");
     c.about("Bushing between beam and head, at the place of the wheel on this rail");
-    write_bushing(&mut c, &bushing);
-    Ok(model(case, "OpenSees", "wheel_rail_opensees", &c, TEXT))
+    write_bushing(&mut c, bushing);
+    let python = program(case, "OpenSees", "wheel_rail_opensees", &c, TEXT);
+    Ok(vec![python, tables(case, "wheel_rail_opensees")])
 }
 
 fn check(case: &LumpedCase<'_>) -> Result<()> {
-    let (beam, place) = (&case.beam.beam, case.beam.place);
-    let remedy = "take --to lumped-exudyn, which has the rail by its modes at the wheel";
-    if (place / beam.length() - 0.5).abs() > 1e-9 {
-        let key = "scenario.start_x_m";
-        return InputError::refuse(key, place, "the middle of the rail, where the beam has a node", remedy);
-    }
+    check_middle(case)?;
+    let beam = &case.beam.beam;
     if beam.elements() > MOST_ELEMENTS {
         let expected = format!("{MOST_ELEMENTS} elements at most");
-        return InputError::refuse("simulation.rail_elements", beam.elements(), expected, remedy);
+        return InputError::refuse("simulation.rail_elements", beam.elements(), expected, REMEDY);
     }
-    let oscillators = &case.set.oscillators;
+    let oscillators = &case.pair.element.set.oscillators;
     if let Some(coupling) = too_large(oscillators, case.hub_mass()) {
         let expected = "one large coupling along y, and small ones beside it";
-        return InputError::refuse("lumped.oscillators[].coupling_kg", coupling, expected, remedy);
+        return InputError::refuse("lumped.oscillators[].coupling_kg", coupling, expected, REMEDY);
     }
     match oscillators.iter().position(|of| of.lateral.abs() > FARTHEST_POLE * of.turn.abs()) {
         Some(i) => InputError::refuse(
             format!("lumped.oscillators[{i}].rim_turn_per_m"),
             oscillators[i].turn,
             "a rotation of the rim, which is a hinge in the model",
-            remedy,
+            REMEDY,
         ),
         None => Ok(()),
     }
