@@ -34,6 +34,7 @@ use crate::study::Study;
 use crate::table::TableRecord;
 
 pub use format::{Format, LawForm};
+pub use lumped::LumpedContact;
 pub use spring::ExportFile;
 pub use table_rows::{Condition, ExportRow, index, rows};
 
@@ -78,6 +79,8 @@ pub struct Wanted<'a> {
     pub law: Option<LawForm>,
     /// The load case of a model.
     pub case: Option<&'a str>,
+    /// The contact of a model: strips unless it is named.
+    pub contact: Option<LumpedContact>,
 }
 
 impl Wanted<'_> {
@@ -96,6 +99,13 @@ impl Wanted<'_> {
             if let Some(law) = self.law {
                 return refuse("--law", Form::from(law).name().into(), "a format with one law");
             }
+        }
+        if let (Some(LumpedContact::Points), false) = (self.contact, self.format.has_points()) {
+            return refuse(
+                "--contact",
+                "points".into(),
+                "a model that can have them: lumped-exudyn or lumped-stem",
+            );
         }
         if let (Some(case), false) = (self.case, self.format.is_model()) {
             return refuse(
@@ -139,7 +149,7 @@ pub fn of_calibration(
             Format::LumpedSimpack => Ok(lumped::simpack(&pair)),
             Format::LumpedGensys => lumped::gensys(&pair),
             format => {
-                let case = LumpedCase::of(pair, wanted.case, record)?;
+                let case = LumpedCase::of(pair, wanted.case, wanted.contact.unwrap_or_default(), record)?;
                 match format {
                     Format::LumpedOpensees => lumped::opensees(&case),
                     Format::LumpedStem => lumped::stem(&case),

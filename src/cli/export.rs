@@ -10,7 +10,8 @@ use super::output::{remark, say};
 use super::set_args::SetArgs;
 use crate::engine::output::OutputFolder;
 use crate::export::{
-    Condition, ExportFile, ExportRow, Format, LawForm, SpringsFile, Wanted, index, of_calibration, rows,
+    Condition, ExportFile, ExportRow, Format, LawForm, LumpedContact, SpringsFile, Wanted, index,
+    of_calibration, rows,
 };
 use crate::results::springs::record::StiffnessRecord;
 use crate::study::Study;
@@ -41,6 +42,9 @@ pub(super) struct ExportArgs {
     /// The load case of the study for a model (lumped-...); left out, its only one
     #[arg(long, value_name = "NAME")]
     case: Option<String>,
+    /// The contact of a model; left out, strips
+    #[arg(long, value_name = "CONTACT")]
+    contact: Option<LumpedContact>,
     /// The study of the springs, or the table of the rows, for formats with profiles
     #[arg(long, value_name = "STUDY")]
     study: Option<PathBuf>,
@@ -53,8 +57,8 @@ pub(super) struct ExportArgs {
 
 impl ExportArgs {
     fn wanted(&self) -> Wanted<'_> {
-        let Self { format, law, .. } = *self;
-        Wanted { format, law, reference: self.reference.as_deref(), case: self.case.as_deref() }
+        let Self { format, law, contact, .. } = *self;
+        Wanted { format, law, contact, reference: self.reference.as_deref(), case: self.case.as_deref() }
     }
 }
 

@@ -83,6 +83,11 @@ impl Format {
         matches!(self, Self::LumpedExudyn | Self::LumpedOpensees | Self::LumpedStem)
     }
 
+    /// Whether it is a model that can have points in the place of strips.
+    pub fn has_points(self) -> bool {
+        matches!(self, Self::LumpedExudyn | Self::LumpedStem)
+    }
+
     /// Its name on the command line.
     fn name(self) -> String {
         self.to_possible_value().map_or_else(String::new, |value| value.get_name().into())

@@ -8,9 +8,9 @@ mod model;
 mod opensees;
 mod exudyn;
 mod stem;
+mod gensys;
 mod sid;
 mod simpack;
-mod gensys;
 
 pub(super) use case::LumpedCase;
 pub(super) use exudyn::files as exudyn;
@@ -19,3 +19,4 @@ pub(super) use opensees::files as opensees;
 pub(super) use pair::LumpedPair;
 pub(super) use simpack::files as simpack;
 pub(super) use stem::files as stem;
+pub use surfaces::LumpedContact;

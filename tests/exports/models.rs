@@ -77,19 +77,15 @@ fn run() -> &'static Path {
 }
 
 fn exported(format: &str) -> PathBuf {
-    let arguments = [
-        "export",
-        "out/stiffness.json",
-        "--to",
-        format,
-        "--study",
-        "study.toml",
-        "--case",
-        "pushed",
-        "-o",
-        format,
-    ];
-    export_of(run(), &arguments)
+    exported_with(format, "strips")
+}
+
+fn exported_with(format: &str, contact: &str) -> PathBuf {
+    let folder = format!("{format}-{contact}");
+    let command = format!(
+        "export out/stiffness.json --to {format} --study study.toml --case pushed --contact {contact} -o {folder}"
+    );
+    export_of(run(), &command.split(' ').collect::<Vec<_>>())
 }
 
 /// Columns P and Q of a history, kN.
@@ -104,12 +100,11 @@ fn forces(history: &str) -> [Vec<f64>; 2] {
 }
 
 /// Runs the exported model in a Python that has the program, and compares P and Q with those of the project's own run: RMS of the difference over the largest value.
-fn differences(format: &str, stem: &str, interpreter: &Path) -> [f64; 2] {
-    let folder = exported(format);
-    let output = Command::new(interpreter).current_dir(&folder).arg(format!("{stem}.py")).output().unwrap();
+fn differences(folder: &Path, stem: &str, interpreter: &Path) -> [f64; 2] {
+    let output = Command::new(interpreter).current_dir(folder).arg(format!("{stem}.py")).output().unwrap();
     assert!(output.status.success(), "{}", said(&output));
     let own = forces(&text(&run().join("out"), "history.csv"));
-    let found = forces(&text(&folder, "history.csv"));
+    let found = forces(&text(folder, "history.csv"));
     [0, 1].map(|i| {
         assert_eq!((found[i].len(), own[i].len()), (ROWS + 1, ROWS + 1));
         let square: f64 = found[i].iter().zip(&own[i]).map(|(a, b)| (a - b).powi(2)).sum();
@@ -126,9 +121,23 @@ fn exudyn_runs_the_load_case() {
     let Some(interpreter) = railspring_testing::exudyn(Path::new(env!("CARGO_TARGET_TMPDIR"))) else {
         return;
     };
-    let [p, q] = differences("lumped-exudyn", "wheel_rail_exudyn", &interpreter);
+    let [p, q] = differences(&exported("lumped-exudyn"), "wheel_rail_exudyn", &interpreter);
     println!("P {p:.4}, Q {q:.4}");
     assert!(p < STEPS && q < STEPS, "{p} {q}");
+}
+
+/// Source: Exudyn. Goal: with single rigid points the model comes to the end of the load case through the impacts, too; they are another contact than the strips, whose forces (kN) it is near. Accuracy: POINTS, over the largest force, twice
+/// what they are off in 4.1 (6.6 %); they are off by more than the STEPS of the model with strips.
+#[test]
+fn exudyn_runs_rigid_points() {
+    const POINTS: f64 = 0.13;
+    const STEPS: f64 = 0.01;
+    let Some(interpreter) = railspring_testing::exudyn(Path::new(env!("CARGO_TARGET_TMPDIR"))) else {
+        return;
+    };
+    let [p, q] = differences(&exported_with("lumped-exudyn", "points"), "wheel_rail_exudyn", &interpreter);
+    println!("P {p:.4}, Q {q:.4}");
+    assert!(p < POINTS && q < POINTS && p > STEPS, "{p} {q}");
 }
 
 /// Source: OpenSees' beams, masses and integration. Goal and accuracy as for Exudyn; the contact is of first order in the step here, and half of the steps change 4.1 by 0.2 %.
@@ -138,7 +147,7 @@ fn opensees_runs_the_load_case() {
     let Some(interpreter) = railspring_testing::opensees(Path::new(env!("CARGO_TARGET_TMPDIR"))) else {
         return;
     };
-    let [p, q] = differences("lumped-opensees", "wheel_rail_opensees", &interpreter);
+    let [p, q] = differences(&exported("lumped-opensees"), "wheel_rail_opensees", &interpreter);
     println!("P {p:.4}, Q {q:.4}");
     assert!(p < STEPS && q < STEPS, "{p} {q}");
 }
@@ -153,7 +162,7 @@ fn stem_runs_the_load_case() {
     else {
         return;
     };
-    let [p, q] = differences("lumped-stem", "wheel_rail_stem", &interpreter);
+    let [p, q] = differences(&exported("lumped-stem"), "wheel_rail_stem", &interpreter);
     println!("P {p:.4}, Q {q:.4}");
     assert!(p < STEPS && q < STEPS, "{p} {q}");
 }
@@ -214,7 +223,8 @@ fn models_say_what_they_need() {
     let heavier = "export out/stiffness.json --to lumped-exudyn --study study.toml --case pushed --set scenario.pushed.wheel_mass_t=0.4 -o heavier";
     let heavier = export_of(run(), &heavier.split(' ').collect::<Vec<_>>());
     assert!(text(&heavier, "wheel_rail_exudyn.py").contains("\nHUB_MASS = 400.0  # "));
-    let springs = ["export", "out/stiffness.json", "--to", "lumped-exudyn", "-o", "none"];
+    let springs = ["export", "out/stiffness.json", "-o", "none"];
+    let to_exudyn = ["--to", "lumped-exudyn"];
     let study = ["--study", "study.toml"];
     for (more, parts) in [
         (&[][..], &["--study = (missing)", "a model wants its load case"][..]),
@@ -223,8 +233,10 @@ fn models_say_what_they_need() {
         (&[study[0], study[1], "--case", "rolling"], &["scenario.rolling.speed_m_per_s = 1", "--case"]),
         (&[study[0], study[1], "--case", "pushed", "--law", "power"], &["--law = power", "leave it out"]),
         (&["--reference", "foot"], &["--reference = \"foot\"", "leave it out"]),
+        (&["--to", "lumped-opensees", "--contact", "points"], &["--contact = points", "lumped-stem"]),
     ] {
-        let output = railspring(run(), &[&springs[..], more].concat());
+        let to: &[&str] = if more.contains(&"--to") { &[] } else { &to_exudyn };
+        let output = railspring(run(), &[&springs[..], to, more].concat());
         assert_eq!(output.status.code(), Some(2), "{more:?}");
         let message = said(&output);
         parts.iter().for_each(|part| assert!(message.contains(part), "{more:?}: {message}"));

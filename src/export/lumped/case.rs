@@ -8,7 +8,7 @@ use railspring_simulate::time::scenario::{HarmonicForce, Kelvin, Scenario};
 
 use super::constants::Constants;
 use super::pair::LumpedPair;
-use super::surfaces::LumpedSurfaces;
+use super::surfaces::{LumpedContact, LumpedSurfaces};
 use crate::results::run::input::SimpleRunInput;
 use crate::results::run::make::model_of_solids;
 use crate::results::springs::record::StiffnessRecord;
@@ -33,6 +33,8 @@ pub(in crate::export) struct LumpedCase<'a> {
     pub beam: BeamAtWheel,
     /// Strips and running surfaces.
     pub surfaces: LumpedSurfaces,
+    /// What lies between them.
+    pub contact: LumpedContact,
     heading: String,
 }
 
@@ -47,11 +49,16 @@ pub(in crate::export) struct BeamAtWheel {
 }
 
 impl<'a> LumpedCase<'a> {
-    /// The load case with a name, or the only one, of the study of a `pair`.
+    /// The load case with a name, or the only one, of the study of a `pair`, with a `contact`.
     ///
     /// # Errors
     /// [`InputError`] without the load case, and for load cases that these models do not have.
-    pub fn of(pair: LumpedPair<'a>, name: Option<&str>, record: &StiffnessRecord) -> Result<Self> {
+    pub fn of(
+        pair: LumpedPair<'a>,
+        name: Option<&str>,
+        contact: LumpedContact,
+        record: &StiffnessRecord,
+    ) -> Result<Self> {
         let (study, geometry) = (pair.surfaces.study, &pair.surfaces.geometry);
         let (name, case) = chosen(study, name)?;
         check(name, case)?;
@@ -68,6 +75,7 @@ impl<'a> LumpedCase<'a> {
             rail: model.rail_at(place, HIGHEST)?,
             beam: BeamAtWheel { beam, place, bushing: model.bushing_on_beam(place)? },
             surfaces: LumpedSurfaces::of(&geometry.pair, &pair.element.strips),
+            contact,
             heading: format!("load case {name}: {}", case.description),
             pair,
         })

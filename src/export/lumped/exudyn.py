@@ -119,7 +119,7 @@ def build(mbs, data):
     of_rim[0, 1] = of_rim[1, 2] = 1.0
     of_rim[:, on_wheel] = RIM_LATERAL, RIM_OFFSET * np.array(RIM_TURN), RIM_TURN
     of_head[:, on_wheel.stop:] = HEAD_LATERAL, HEAD_VERTICAL, HEAD_TURN
-    contact = Contact(Strips(data), of_rim, of_head)
+    contact = Contact(CONTACT(data), of_rim, of_head)
     mbs.AddObject(ObjectGenericODE2(nodeNumbers=[hub, wheel, rail], massMatrix=np.zeros((size, size)),
                                     forceUserFunction=contact.force, jacobianUserFunction=contact.jacobian))
     # suspension and loads; without a suspended mass the suspension passes the force on to the hub

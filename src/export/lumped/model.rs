@@ -5,11 +5,13 @@ use railspring_simulate::element::condensed::parts::Bushing;
 
 use super::case::LumpedCase;
 use super::constants::Constants;
+use super::surfaces::LumpedContact;
 use crate::export::spring::{ExportFile, commented};
 
-/// Parts of the text of a model, by the line where each stands: the strips of a contact, and in them the interpolation of the wheel's table.
-const PARTS: [(&str, &str); 2] =
-    [("# STRIPS\n", include_str!("strips.py")), ("    # ON_WHEEL\n", include_str!("on_wheel.py"))];
+/// Parts of the text of a model, by the line where each stands: what is between the profiles, and in that the interpolation of the wheel's table.
+const STRIPS: (&str, &str) = ("# STRIPS\n", include_str!("strips.py"));
+const POINTS: &str = include_str!("points.py");
+const ON_WHEEL: (&str, &str) = ("    # ON_WHEEL\n", include_str!("on_wheel.py"));
 
 /// Where the constants stand.
 const CONSTANTS: &str = "# CONSTANTS\n";
@@ -26,13 +28,18 @@ pub(super) fn program(
     text: &str,
 ) -> ExportFile {
     let whole = text.replacen(CONSTANTS, constants.text(), 1);
-    let whole = PARTS.iter().fold(whole, |whole, (line, part)| whole.replacen(line, part, 1));
+    let (points, class) = match case.contact {
+        LumpedContact::Strips => ("", "Strips"),
+        LumpedContact::Points => (POINTS, "Points"),
+    };
+    let between = format!("{}{points}\n\nCONTACT = {class}  # what lies between the profiles\n", STRIPS.1);
+    let whole = whole.replacen(STRIPS.0, &between, 1).replacen(ON_WHEEL.0, ON_WHEEL.1, 1);
     ExportFile { name: format!("{stem}.py"), text: commented("#", &case.heading(program)) + &whole }
 }
 
 /// The tables of the profiles with their strips, for the Python file of that name.
 pub(super) fn tables(case: &LumpedCase<'_>, stem: &str) -> ExportFile {
-    ExportFile { name: format!("{stem}.json"), text: case.surfaces.json() }
+    ExportFile { name: format!("{stem}.json"), text: case.surfaces.json(case.contact) }
 }
 
 /// The four constants of a bushing.

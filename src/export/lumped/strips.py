@@ -81,18 +81,22 @@ class Strips:
         # change of the penetration and of the tangential displacement with the motion of the rim
         deeper = np.array([-along_z, along_y, y * along_y + z * along_z]) / cosine
         aside = np.array([along_y, along_z, y * along_z - z * along_y])
-        normal, tangential = self.normal[strips], self.tangential[strips]
-        limit = FRICTION * normal * depth / cosine
+        normal, pressed, tangential = self.stiffnesses(depth)
+        limit = FRICTION * normal / cosine
         wanted = tangential * (self.taken_up[strips] + aside.T @ self.moved(rim, head))
         friction = np.clip(wanted, -limit, limit)
-        force = -deeper @ (normal * depth) - aside @ friction
-        pressed = normal * (depth > 0.0)
+        force = -deeper @ normal - aside @ friction
         sticks = np.abs(wanted) < limit
         follows = np.where(sticks, 0.0, np.sign(wanted) * FRICTION * pressed / cosine)
         stiffness = (deeper * pressed + aside * follows) @ deeper.T + (aside * (tangential * sticks)) @ aside.T
         turn = np.eye(3)
         turn[:2, :2] = rotation(rim[2])
         return turn @ force, turn @ stiffness @ turn.T, friction / tangential
+
+    def stiffnesses(self, depth):
+        """Forces (N) and stiffnesses (N/m) along the normal, and stiffnesses across it, at penetrations (m)."""
+        normal = self.normal[self.window]
+        return normal * depth, normal * (depth > 0.0), self.tangential[self.window]
 
     def moved(self, rim, head):
         """Motion of the rim against the head in this time step, in the wheel's axes."""

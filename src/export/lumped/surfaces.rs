@@ -1,14 +1,25 @@
 //! Strips on the rail and the wheel's running surface, as tables.
 
+use clap::ValueEnum;
 use nalgebra::{Point2, Vector2};
 use railspring_calibrate::pair::Pair;
 use railspring_profiles::profile::ProfileCurve;
-use railspring_simulate::element::condensed::parts::{StripLaw, StripStiffness};
+use railspring_simulate::element::condensed::parts::{Flatness, StripLaw, StripStiffness};
 use serde_json::{Value, json};
 
 /// Width of a strip and distance of the points on the wheel, m: with a quarter of both the forces of load case 4.1 change by 0.02 % of their peaks.
 const STRIP: f64 = 0.2e-3;
 const ON_WHEEL: f64 = 0.2e-3;
+
+/// What lies between the profiles of a model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum LumpedContact {
+    /// The strips of the lumped element
+    #[default]
+    Strips,
+    /// Single rigid points, for what a program without strips comes to
+    Points,
+}
 
 /// Both running surfaces.
 pub(in crate::export) struct LumpedSurfaces {
@@ -29,12 +40,15 @@ struct Strip {
     at: Placed,
     normal: f64,
     tangential: f64,
+    /// Force of a point there over the power 3/2 of its depth, N/m^1.5.
+    point: f64,
 }
 
 impl LumpedSurfaces {
     /// The strips of a pair about the line of the rail's shear centres, and its wheel about the origin of its profile.
     pub fn of(pair: &Pair, stiffness: &StripStiffness) -> Self {
         let (rail, wheel) = (&pair.placed.curve, &pair.wheel.running);
+        let flatness = Flatness::of(pair);
         let count = (rail.length() / STRIP).ceil();
         let width = rail.length() / count;
         let strip = |i: usize| {
@@ -44,6 +58,7 @@ impl LumpedSurfaces {
                 at: placed(rail, s, pair.node_line()),
                 normal: modulus.normal,
                 tangential: modulus.tangential,
+                point: flatness.point_stiffness(s, modulus.normal),
             }
         };
         let points = (wheel.length() / ON_WHEEL).ceil();
@@ -62,14 +77,14 @@ impl LumpedSurfaces {
         }
     }
 
-    /// The tables: lengths in m, angles in rad, stiffness in Pa.
-    pub fn json(&self) -> String {
+    /// The tables for a contact: lengths in m, angles in rad, stiffness in Pa, that of points in N/m^1.5.
+    pub fn json(&self, contact: LumpedContact) -> String {
         let column = |values: &mut dyn Iterator<Item = f64>, digits: usize| -> Value {
             values.map(|value| rounded(value, digits)).collect()
         };
         let strips = |value: fn(&Strip) -> f64, digits| column(&mut self.strips.iter().map(value), digits);
         let wheel = |value: fn(&Placed) -> f64, digits| column(&mut self.wheel.iter().map(value), digits);
-        let tables = json!({
+        let mut tables = json!({
             "strip_width_m": self.width,
             "strip_y_m": strips(|strip| strip.at.point.x, 10),
             "strip_z_m": strips(|strip| strip.at.point.y, 10),
@@ -81,6 +96,9 @@ impl LumpedSurfaces {
             "wheel_z_m": wheel(|at| at.point.y, 10),
             "wheel_angle_rad": wheel(|at| at.angle, 9),
         });
+        if contact == LumpedContact::Points {
+            tables["point_n_per_m1_5"] = strips(|strip| strip.point, 0);
+        }
         format!("{tables}\n")
     }
 }

@@ -41,7 +41,7 @@ class Wheel:
 
     def __init__(self, data, torsion):
         """`torsion` is the flexibility (rad/(N m)) of the rail that the bushing has besides its own."""
-        self.strips = Strips(data)
+        self.strips = CONTACT(data)
         count = len(OSCILLATOR_FREQUENCY)
         size = 2 + count + (SUSPENDED_MASS > 0.0)
         on_wheel = slice(2, 2 + count)

@@ -18,6 +18,7 @@ mod bodies;
 pub use bodies::ElementBodies;
 pub use fit::{Sections, StripForm, fit_strips};
 pub use held_end::{EndPlace, HeldEnd, in_world};
+pub use hertz::Flatness;
 pub use law::{StripPlace, StripStiffness};
 pub use lumped::{Bushing, Hub, LumpedElement, LumpedSet, Oscillator};
 pub use modulus::{StripLaw, StripModulus};
