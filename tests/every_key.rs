@@ -137,6 +137,7 @@ const CHANGED: &[Changed] = &[
     ("calibration.horizontal_preloads_kn", PLAIN, "[30]"),
     ("calibration.stiffness_at_kn", PLAIN, "[30, 70]"),
     ("calibration.shifts_mm", PLAIN, "[0, 2]"),
+    ("calibration.elements", PLAIN, "false"),
     ("simulation.element", PLAIN, "published"),
     ("simulation.law", PUBLISHED, "published"),
     ("simulation.horizontal_kn_per_m", PUBLISHED, "60000"),

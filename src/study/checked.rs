@@ -40,6 +40,8 @@ pub struct Study {
     pub calibration: CalibrationSettings,
     /// Lateral shifts of the laws by contact angle, m, ascending; `None` leaves them to the program.
     pub shifts: Option<Vec<f64>>,
+    /// Whether contact elements are made of the solids; `None` where there is a load case.
+    pub elements: Option<bool>,
     /// The simple model.
     pub simulation: SimulationSettings,
     /// The solid model in time.
@@ -84,7 +86,8 @@ impl Study {
     pub fn element(&self) -> ContactElementKey {
         let SimulationSettings { element, law, horizontal, .. } = &self.simulation;
         let of_own_springs = *law == LawKey::Calibrated && horizontal.is_none();
-        element.unwrap_or(match self.wants_by_angle() && of_own_springs {
+        let of_solids = self.wants_by_angle() && self.elements != Some(false);
+        element.unwrap_or(match of_solids && of_own_springs {
             true => ContactElementKey::Condensed,
             false => ContactElementKey::Published,
         })
@@ -92,7 +95,7 @@ impl Study {
 
     /// Whether the condensed and the lumped element are made: the simple model runs with one of them, or they stand beside the published one.
     pub fn wants_condensed(&self) -> bool {
-        self.wants_by_angle() && !self.scenarios.is_empty()
+        self.wants_by_angle() && self.elements.unwrap_or(!self.scenarios.is_empty())
     }
 
     /// Modes that the bodies are condensed with: those that reduced runs begin with, and the condensed element has; none where there is

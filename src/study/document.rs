@@ -290,6 +290,9 @@ pub struct CalibrationKeys {
     #[schemars(inner(range(min = -100.0, max = 100.0)), length(max = 200))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shifts_mm: Option<Vec<f64>>,
+    /// Whether the condensed and the lumped contact element are made of the laws by contact angle, for a run with them or for another program. Left out, where the study has a load case.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub elements: Option<bool>,
 }
 
 impl Default for CalibrationKeys {
@@ -306,6 +309,7 @@ impl Default for CalibrationKeys {
             horizontal_preloads_kn: vec![20.0, 50.0, 85.0, 120.0],
             stiffness_at_kn: vec![20.0, 40.0, 60.0, 80.0, 100.0, 120.0],
             shifts_mm: None,
+            elements: None,
         }
     }
 }

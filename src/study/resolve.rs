@@ -60,7 +60,10 @@ pub(super) fn resolve(
         collector.take(&[&here, "contact.friction"], checked);
         scenarios.insert(name.clone(), resolved);
     }
-    collector.take(&["simulation.element", "simulation.law", "calibration.shifts_mm"], element(&document));
+    collector.take(
+        &["simulation.element", "simulation.law", "calibration.shifts_mm", "calibration.elements"],
+        element(&document),
+    );
     let main_scenario = collector.take(&["simulation.scenario"], main_scenario(&document, &source));
     collector
         .take(&["verification.published_stiffness", "calibration.*"], published_limit(&document, &source));
@@ -106,6 +109,7 @@ pub(super) fn resolve(
             .calibration
             .shifts_mm
             .map(|shifts| shifts.iter().map(|mm| mm * MILLIMETRE).collect()),
+        elements: document.calibration.elements,
         simulation: SimulationSettings {
             element: document.simulation.element,
             law: document.simulation.law,
@@ -362,14 +366,29 @@ fn listed(names: &[&str]) -> String {
 
 /// An element that is made from the solids has the laws by contact angle, and no other springs.
 fn element(document: &StudyDocument) -> Result<()> {
-    let simulation = &document.simulation;
+    let (simulation, calibration) = (&document.simulation, &document.calibration);
+    let no_laws = calibration.shifts_mm.as_ref().is_some_and(Vec::is_empty);
+    if calibration.elements == Some(true) && no_laws {
+        return Err(InputError::new(
+            "calibration.elements",
+            "true",
+            "laws by contact angle, which calibration.shifts_mm = [] leaves out",
+            "remove calibration.shifts_mm, or calibration.elements",
+        ));
+    }
     let Some(element) = simulation.element.filter(|element| *element != ContactElementKey::Published) else {
         return Ok(());
     };
     let refuse = |because: &str, remedy: &str| {
         Err(InputError::new("simulation.element", format!("{:?}", element.name()), because, remedy))
     };
-    if document.calibration.shifts_mm.as_ref().is_some_and(Vec::is_empty) {
+    if calibration.elements == Some(false) {
+        return refuse(
+            "an element that calibration.elements = false leaves out",
+            "remove calibration.elements, or take element = \"published\"",
+        );
+    }
+    if no_laws {
         return refuse(
             "laws by contact angle, which calibration.shifts_mm = [] leaves out",
             "remove calibration.shifts_mm, or take element = \"published\"",

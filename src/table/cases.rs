@@ -18,9 +18,10 @@ const WHOLE: &str = "table";
 /// Sections of a study that the cases of a table have.
 const SECTIONS: [&str; 7] = ["rail", "wheel", "track", "material", "mesh", "contact", "calibration"];
 /// Keys that a table sets itself, and with what.
-const OF_THE_TABLE: [(&str, &str); 3] = [
+const OF_THE_TABLE: [(&str, &str); 4] = [
     ("track.lateral_shift_mm", "the shifts of a table are `shifts_mm`"),
     ("calibration.shifts_mm", "the shifts of a table are `shifts_mm`"),
+    ("calibration.elements", "a table has laws alone; `railspring fit` makes the elements of a pair"),
     ("mesh.target_error", "a table takes the meshes as they are; give `mesh.contact_element_mm`"),
 ];
 /// Keys that say which profile a body has: those of a table's wheel or rail replace all of the base's.

@@ -42,13 +42,16 @@ rotations_held = true
 solid = false
 "#;
 
+/// A coarse pair.
+const COARSE: &str = include_str!("../studies/coarse.toml");
+
 /// The study with its laws by contact angle, run once with the lumped element.
 fn run() -> &'static Path {
     static MADE: OnceLock<TempDir> = OnceLock::new();
     MADE.get_or_init(|| {
         let root = tempfile::tempdir().unwrap();
         // full integration locks the disc of this mesh, whose modes then couple with the hub as no wheel's do
-        let coarse = include_str!("../studies/coarse.toml")
+        let coarse = COARSE
             .replace("shifts_mm = []", "shifts_mm = [0, 4, 6.5, 7]")
             .replace("full-integration", "incompatible-modes");
         assert!(coarse.contains("6.5, 7]") && coarse.contains("incompatible-modes"));
@@ -294,6 +297,35 @@ fn parts_for_vehicle_programs_have_the_constants() {
     near(constant("rs_hb"), 1e-3 * number("/bushing/height_mm"));
     // free, the rest of the wheel moves against a mode, which is higher then
     assert!(constant("rs_ff1") > constant("rs_fc1"));
+    // without a load case there is an element where it is asked for
+    let root = tempfile::tempdir().unwrap();
+    std::fs::write(root.path().join("study.toml"), COARSE.replace("shifts_mm = []", "shifts_mm = [0, 4]"))
+        .unwrap();
+    let make = |elements: &str| {
+        let set = format!("calibration.elements={elements}");
+        let output = railspring(
+            root.path(),
+            &["calibrate", "study.toml", "-o", "out", "--cache", "store", "-q", "--set", &set],
+        );
+        assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+        railspring(
+            root.path(),
+            &[
+                "export",
+                "out/stiffness.json",
+                "--to",
+                "lumped-simpack",
+                "--study",
+                "study.toml",
+                "-o",
+                "simpack",
+            ],
+        )
+    };
+    let without = make("false");
+    assert_eq!(without.status.code(), Some(2));
+    assert!(said(&without).contains("--set calibration.elements=true"), "{}", said(&without));
+    assert_eq!(make("true").status.code(), Some(0));
     for (arguments, named) in [
         (&["--to", "lumped-gensys", "--study", "study.toml", "--case", "pushed"][..], "--case = \"pushed\""),
         (&["--to", "lumped-simpack"][..], "--study = (missing)"),

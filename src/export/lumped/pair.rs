@@ -39,7 +39,7 @@ impl<'a> LumpedPair<'a> {
                 "stiffness_by_angle.json: lumped",
                 "(missing)",
                 format!("a lumped element: {reason}"),
-                "calibrate again, with the load case in the study",
+                "calibrate again with a load case in the study, or with --set calibration.elements=true",
             )
         })?;
         Ok(Self {
