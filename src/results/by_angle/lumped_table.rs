@@ -8,6 +8,9 @@ use crate::results::by_angle::lumped::{
 };
 use crate::rounding::{rounded_to, with_minus_signs};
 
+/// A change that is smaller, relative, is none of a constant: it happens to be near zero, and says nothing of the error.
+const LEAST_BAND: f64 = 1e-3;
+
 /// What the table shows: rows of constant, value, unit and formula, and whether they have bands or why not.
 pub(crate) fn table(lumped: &LumpedRecord) -> Value {
     let band = lumped.error_band.as_ref();
@@ -35,7 +38,7 @@ fn rows(lumped: &LumpedRecord, bands: Option<&LumpedConstantsRecord>) -> Vec<[St
         inertia,
         of_inertia,
         "kg\u{b7}m\u{b2}",
-        "about x through the hub's centre; where the hub turns",
+        "about x through the hub's centre; counts where the hub turns",
     );
     for (i, of) in lumped.oscillators.iter().enumerate() {
         let band = |value: fn(&OscillatorRecord) -> f64| bands.map(|bands| value(&bands.oscillators[i]));
@@ -78,7 +81,7 @@ fn rows(lumped: &LumpedRecord, bands: Option<&LumpedConstantsRecord>) -> Vec<[St
             of.coupling_turn_kg_m,
             band(|of| of.coupling_turn_kg_m),
             "kg\u{b7}m",
-            "the same with the hub's rotation; where the hub turns",
+            "the same with the hub's rotation; counts where the hub turns",
         );
     }
     let (offset, of_offset) = hub(lumped.rim_offset_mm, |of| of.rim_offset_mm);
@@ -128,8 +131,7 @@ fn rows(lumped: &LumpedRecord, bands: Option<&LumpedConstantsRecord>) -> Vec<[St
 /// A value with the digits that its band leaves.
 fn with_band(value: f64, band: Option<f64>) -> String {
     let text = match band {
-        // a rounding of a number that is exact, or known better than the page shows
-        Some(band) if band > 1e-6 * value.abs() => match rounded_to(value, band) {
+        Some(band) if band > LEAST_BAND * value.abs() => match rounded_to(value, band) {
             (value, Some(band)) => format!("{value} \u{b1} {band}"),
             (value, None) => value,
         },
