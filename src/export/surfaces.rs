@@ -20,16 +20,16 @@ pub(super) struct Surfaces<'a> {
 }
 
 impl<'a> Surfaces<'a> {
-    /// The study's surfaces; what is `wanted` of it is said where there is none.
+    /// The study's surfaces; `purpose` says in the message what the study is needed for.
     ///
     /// # Errors
     /// [`InputError`] without a study; those of the geometry.
-    pub fn of(study: Option<&'a Study>, wanted: &str) -> Result<Self> {
+    pub fn of(study: Option<&'a Study>, purpose: &str) -> Result<Self> {
         let study = study.ok_or_else(|| {
             InputError::new(
                 "--study",
                 "(missing)",
-                format!("the study of the springs: {wanted}, too"),
+                format!("the study of the springs: {purpose}, too"),
                 "name it with --study STUDY.toml",
             )
         })?;

@@ -27,7 +27,7 @@ pub fn stem(cache: &Path) -> Option<PathBuf> {
     with(cache, "import UVEC", Need::Stem, "the vehicle models of STEM (UVEC)")
 }
 
-/// A Python that has STEM itself, with the parts of Kratos that it needs: 750 MB. As [`opensees`] where it cannot be had.
+/// A Python that has STEM itself, with the parts of Kratos that it needs: 750 MB. As [`opensees`] where it cannot be installed.
 pub fn stem_with_kratos(cache: &Path) -> Option<PathBuf> {
     let interpreter = locked(cache, "stem", include_str!("../requirements-stem.lock"))?;
     let there = succeeds(&interpreter, &["-I", "-c", "import stem.stem"].map(OsStr::new));

@@ -1,6 +1,6 @@
 //! The pair for GENSYS: all constants, the wheel's coordinate system and its rigid mass, and the modes of the free wheel for a flexible one.
 //!
-//! Statements as the manual's pages on `func`, `lsys` and `mass` have them. Those of couplings and of flexible masses are not written: their arguments were not to be had.
+//! Statements as the manual's pages on `func`, `lsys` and `mass` have them. Those of couplings and of flexible masses are not written: the order of their arguments was not found.
 
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
@@ -30,7 +30,7 @@ pub(in crate::export) fn files(pair: &LumpedPair<'_>) -> Result<Vec<ExportFile>>
     let set = &pair.element.set;
     let remarks = [
         "SI units; x along the track, y to the field side, which is to the right on a right rail, z down, f about x",
-        "left out, as their arguments were not to be had: the mass with modes (m_flex_1) and the couplings of the bushing (coupl p_lin, k, c)",
+        "left out, as the order of their arguments was not found: the mass with modes (m_flex_1) and the couplings of the bushing (coupl p_lin, k, c)",
         "the contact is that of GENSYS; take knwr of the contact alone where wheel and head have the flexibility that stands here",
     ];
     let mut text = commented("#", &pair.heading("GENSYS", &remarks));

@@ -21,17 +21,17 @@ pub(in crate::export) struct LumpedPair<'a> {
 }
 
 impl<'a> LumpedPair<'a> {
-    /// The element of the laws by contact angle of a `study`; what is `wanted` of the study is said where there is none.
+    /// The element of the laws by contact angle of a `study`; `purpose` says in the message what the study is needed for.
     ///
     /// # Errors
     /// [`InputError`] without the study or the element.
     pub fn of(
         study: Option<&'a Study>,
-        wanted: &str,
+        purpose: &str,
         record: &StiffnessRecord,
         laws: &StiffnessByAngleRecord,
     ) -> Result<Self> {
-        let surfaces = Surfaces::of(study, wanted)?;
+        let surfaces = Surfaces::of(study, purpose)?;
         let study = surfaces.study;
         let lumped = laws.lumped.as_ref().ok_or_else(|| {
             let reason = laws.element_missing.as_deref().unwrap_or("the laws by contact angle have none");

@@ -85,12 +85,13 @@ impl<'a> Solids<'a> {
         }
     }
 
-    /// The bodies of coarser meshes, the wheel with modes if the study has them.
+    /// The bodies of coarser meshes, the wheel with modes if contact elements are made.
     ///
     /// # Errors
     /// Those of condensing them.
     pub fn coarser(&self, geometry: &Geometry, meshes: &Meshes) -> Result<CoarserBodies> {
-        self.body_source().coarser(self.input.statics, geometry, meshes, self.input.modes)
+        let modes = if self.input.wants_elements { self.input.modes } else { 0 };
+        self.body_source().coarser(self.input.statics, geometry, meshes, modes)
     }
 
     /// The runs on the solids that the store does not have, as far as that can be said now.

@@ -29,6 +29,8 @@ pub struct SolidsInput<'a> {
     pub shifts: Option<&'a [f64]>,
     /// Whether there are to be laws by contact angle.
     pub wants_by_angle: bool,
+    /// Whether contact elements are made of the solids, whose bands want the modes of coarser bodies, too.
+    pub wants_elements: bool,
     /// Modes that the bodies are condensed with.
     pub modes: usize,
     /// The solid model in time.
@@ -51,6 +53,7 @@ impl<'a> SolidsInput<'a> {
             output: &study.output,
             shifts: study.shifts.as_deref(),
             wants_by_angle: study.wants_by_angle(),
+            wants_elements: study.wants_condensed(),
             modes: study.modes(),
             solid: &study.solid,
             damping: study.damping,
