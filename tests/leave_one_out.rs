@@ -5,7 +5,9 @@ use std::f64::consts::TAU;
 use nalgebra::Matrix3;
 use railspring::results::run::make::Springs;
 use railspring::verify::Limits;
-use railspring_simulate::element::condensed::parts::{PairElement, StripModulus, StripPlace, StripStiffness};
+use railspring_element::law::{StripPlace, StripStiffness};
+use railspring_element::modulus::StripModulus;
+use railspring_element::pair_element::PairElement;
 use railspring_simulate::time::history::{History, HistoryRow};
 
 use crate::solved::Solved;

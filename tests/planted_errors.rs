@@ -7,7 +7,9 @@ use railspring::results::verdict::record::VerdictSubject;
 use railspring::results::verdict::stage::statics_lines;
 use railspring::study::{Study, StudyScenario};
 use railspring::verify::{Limits, Line};
-use railspring_simulate::element::condensed::parts::{PairElement, StripModulus, StripPlace, StripStiffness};
+use railspring_element::law::{StripPlace, StripStiffness};
+use railspring_element::modulus::StripModulus;
+use railspring_element::pair_element::PairElement;
 use railspring_simulate::time::history::{History, HistoryRow};
 
 use crate::solved::{SolidRun, Solved};

@@ -12,15 +12,17 @@ use railspring_calibrate::beam::RailBeam;
 use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::pair::Pair;
 use railspring_calibrate::solid::Material;
+use railspring_element::law::{StripPlace, StripStiffness};
+use railspring_element::modulus::StripModulus;
+use railspring_element::pair_element::PairElement;
+use railspring_element::relief::Influence;
+use railspring_element::wheel::{ElasticWheel, RimMode};
 use railspring_profiles::error::Result;
 use railspring_profiles::monitor::Silent;
 use railspring_profiles::placement::TrackGeometry;
 use railspring_profiles::section::{rail_section, wheel_section};
 use railspring_simulate::cases::{GRAVITY, bridge, constant_lateral_force, crossing, rolling};
 use railspring_simulate::element::condensed::CondensedModel;
-use railspring_simulate::element::condensed::parts::{
-    ElasticWheel, Influence, PairElement, RimMode, StripModulus, StripPlace, StripStiffness,
-};
 use railspring_simulate::element::published::{MovingModel, MovingRun, RailSupport, WheelSprings};
 use railspring_simulate::time::scenario::{HarmonicForce, Scenario};
 use rayon::prelude::*;

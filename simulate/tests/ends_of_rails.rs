@@ -7,10 +7,11 @@ use railspring_calibrate::mesh::{HexMesh, MeshOptions, mesh_rail_between};
 use railspring_calibrate::pair::{CondensedPair, Pair, PairBody};
 use railspring_calibrate::solid::{Formulation, Material, Supports, System};
 use railspring_calibrate::superelement::{SectionMotion, Superelement};
+use railspring_element::held_end::{HeldEnd, in_world};
 use railspring_profiles::monitor::Silent;
 use railspring_profiles::placement::TrackGeometry;
 use railspring_profiles::section::{rail_section, wheel_section};
-use railspring_simulate::element::condensed::parts::{HeldEnd, RunningSurface, in_world};
+use railspring_simulate::element::condensed::parts::{RunningSurface, held_end};
 
 const STEEL: Material = Material::STEEL;
 const ELEMENT: Formulation = Formulation::IncompatibleModes;
@@ -41,7 +42,7 @@ fn held_end(pair: &Pair, length: f64) -> HeldEnd {
         nodes: &rail.nodes,
         half_space,
     };
-    HeldEnd::new(pair, &bodies, &surface.section(pair.node_line()), length).unwrap()
+    held_end(pair, &bodies, &surface.section(pair.node_line()), length).unwrap()
 }
 
 fn condensed<'a>(mesh: &'a HexMesh) -> Superelement<'a> {

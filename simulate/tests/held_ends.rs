@@ -10,10 +10,11 @@ use railspring_calibrate::pair::{
 };
 use railspring_calibrate::solid::{Formulation, Material, Supports, System};
 use railspring_calibrate::superelement::Superelement;
+use railspring_element::pair_element::PairElement;
 use railspring_profiles::monitor::Silent;
 use railspring_profiles::placement::TrackGeometry;
 use railspring_profiles::section::{rail_section, wheel_section};
-use railspring_simulate::element::condensed::parts::{ElementBodies, PairElement, PlaceApproaches};
+use railspring_simulate::element::condensed::parts::{ElementBodies, PlaceApproaches};
 use railspring_simulate::element::condensed::{CondensedModel, fitted_element, fitted_lumped};
 
 const LENGTH: f64 = 0.555;

@@ -11,10 +11,8 @@
 
 pub mod parts;
 mod wheel;
-mod contact;
 mod head;
 mod model;
-mod step;
 mod statics;
 mod rail_at;
 mod lacking;

@@ -3,8 +3,10 @@
 use clap::ValueEnum;
 use nalgebra::{Point2, Vector2};
 use railspring_calibrate::pair::Pair;
+use railspring_element::law::StripStiffness;
+use railspring_element::modulus::StripLaw;
 use railspring_profiles::profile::ProfileCurve;
-use railspring_simulate::element::condensed::parts::{Flatness, StripLaw, StripStiffness};
+use railspring_simulate::element::condensed::parts::Flatness;
 use serde_json::{Value, json};
 
 /// Width of a strip and distance of the points on the wheel, m: with a quarter of both the forces of load case 4.1 change by 0.02 % of their peaks.

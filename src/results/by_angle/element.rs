@@ -1,12 +1,14 @@
 //! The condensed contact element, in `stiffness_by_angle.json`: what the simple model knows of the solids.
 
 use nalgebra::{Matrix3, Vector3};
+use railspring_element::held_end::{EndPlace, HeldEnd};
+use railspring_element::law::{StripPlace, StripStiffness};
+use railspring_element::modulus::StripModulus;
+use railspring_element::pair_element::PairElement;
+use railspring_element::relief::Influence;
+use railspring_element::wheel::{ElasticWheel, RimMode};
 use railspring_profiles::error::InputError;
 use railspring_profiles::units::{GIGAPASCAL, MILLIMETRE};
-use railspring_simulate::element::condensed::parts::{
-    ElasticWheel, EndPlace, HeldEnd, Influence, PairElement, RimMode, StripModulus, StripPlace,
-    StripStiffness,
-};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -1,10 +1,11 @@
 //! The lumped contact element, in `stiffness_by_angle.json`: bodies, bushings and strips that a program of vehicle dynamics can enter.
 
+use railspring_element::law::{StripPlace, StripStiffness};
+use railspring_element::modulus::StripModulus;
+use railspring_element::relief::Influence;
 use railspring_profiles::error::InputError;
 use railspring_profiles::units::{GIGAPASCAL, KILONEWTON_PER_METRE, MILLIMETRE};
-use railspring_simulate::element::condensed::parts::{
-    Bushing, Hub, Influence, LumpedElement, LumpedSet, Oscillator, StripModulus, StripPlace, StripStiffness,
-};
+use railspring_simulate::element::condensed::parts::{Bushing, Hub, LumpedElement, LumpedSet, Oscillator};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

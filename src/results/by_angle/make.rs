@@ -7,14 +7,13 @@ use railspring_calibrate::pair::{
     AngleLaw, AngleSettings, CondensedPair, FixedLoad, PressDirection, ShiftLaw, TouchPoint,
     changed_by_shift, law_by_shift,
 };
+use railspring_element::pair_element::PairElement;
 use railspring_profiles::error::{Error, Result, StopReason};
 use railspring_profiles::monitor::Monitor;
 use railspring_profiles::units::{
     KILONEWTON, KILONEWTON_PER_METRE, MEGAPASCAL, MILLIMETRE, SQUARE_MILLIMETRE,
 };
-use railspring_simulate::element::condensed::parts::{
-    ElementBodies, LumpedElement, PairElement, PlaceApproaches,
-};
+use railspring_simulate::element::condensed::parts::{ElementBodies, LumpedElement, PlaceApproaches};
 use railspring_simulate::element::condensed::{CondensedModel, fitted_element, fitted_lumped};
 use railspring_simulate::element::published::{HubStatics, MovingModel, WheelSprings};
 

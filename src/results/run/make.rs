@@ -5,10 +5,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use railspring_calibrate::beam::{BeamCorrection, RailBeam};
 use railspring_calibrate::law::NormalLaw;
+use railspring_element::pair_element::PairElement;
 use railspring_profiles::error::{Error, Result, StopReason, or_reason};
 use railspring_profiles::monitor::Monitor;
 use railspring_simulate::element::condensed::CondensedModel;
-use railspring_simulate::element::condensed::parts::PairElement;
 use railspring_simulate::element::published::{MovingModel, SlidingMatrix, WheelSprings};
 use railspring_simulate::solid::{ModeCount, OtherRun, START_MODES, TransientModel, TransientRun};
 use railspring_simulate::time::history::History;

@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use nalgebra::Point2;
+use railspring_element::pair_element::PairElement;
 use railspring_profiles::units::MILLIMETRE;
-use railspring_simulate::element::condensed::parts::{LumpedElement, PairElement};
+use railspring_simulate::element::condensed::parts::LumpedElement;
 use railspring_simulate::solid::Reduction;
 use railspring_simulate::time::history::{Ending, History};
 use schemars::JsonSchema;

@@ -4,10 +4,11 @@ use std::ops::ControlFlow;
 
 use nalgebra::Point2;
 
-use crate::element::condensed::parts::{ContactStrips, Profiles};
 use crate::time::history::{Ending, History};
 use crate::time::scenario::Scenario;
 use crate::time::steps::StepSequence;
+use railspring_element::overlap::Profiles;
+use railspring_element::strips::ContactStrips;
 use railspring_profiles::error::{Error, Result};
 use railspring_profiles::monitor::Monitor;
 

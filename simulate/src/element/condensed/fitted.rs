@@ -2,12 +2,11 @@
 
 use nalgebra::Matrix2;
 
-use crate::element::condensed::parts::{
-    ElementBodies, LumpedElement, PairElement, PlaceApproaches, StickingHub,
-};
+use crate::element::condensed::parts::{ElementBodies, LumpedElement, PlaceApproaches, StickingHub};
 use railspring_calibrate::beam::RailBeam;
 use railspring_calibrate::pair::Pair;
 use railspring_calibrate::solid::Material;
+use railspring_element::pair_element::PairElement;
 use railspring_profiles::error::Result;
 
 use super::lacking::{HeadParts, Hub, OF_BUSHING, WHOLE, missing_in_head};

@@ -3,18 +3,19 @@
 use nalgebra::{Matrix3, Point2};
 
 use crate::axle::axle_stiffness;
-use crate::element::condensed::parts::PairElement;
 use crate::time::scenario::Scenario;
 use crate::time::steps::{InnerSteps, StepControl};
 use railspring_calibrate::beam::{End, HeldRail, RailBeam};
 use railspring_calibrate::pair::Pair;
 use railspring_calibrate::solid::Material;
+use railspring_element::pair_element::PairElement;
 use railspring_profiles::error::Result;
 use railspring_profiles::placement::PlacedRail;
 use railspring_profiles::profile::ProfileCurve;
 
-use super::head::Head;
+use super::head::between_held_ends;
 use crate::element::published::{InitialMotion, RailSupport};
+use railspring_element::head::Head;
 
 /// A condensed wheel on a rail, ready to run scenarios.
 #[derive(Debug, Clone)]
@@ -66,9 +67,7 @@ impl CondensedModel {
     pub(super) fn head(&self) -> Head {
         match (&self.support, &self.held, &self.element.held_end) {
             (RailSupport::Rigid, ..) => Head::same(Matrix3::zeros()),
-            (RailSupport::Beam { beam, .. }, Some(rail), Some(end)) => {
-                Head::between_held_ends(beam, rail, end)
-            }
+            (RailSupport::Beam { beam, .. }, Some(rail), Some(end)) => between_held_ends(beam, rail, end),
             _ => Head::same(self.element.head_on_rail()),
         }
     }

@@ -4,21 +4,22 @@ use std::ops::ControlFlow;
 
 use nalgebra::{Matrix3, Point2, Rotation2, Vector2, Vector3};
 
-use crate::element::condensed::parts::{Contact, ContactStrips, Pose};
 use crate::time::energy::{EnergyBalance, EnergyLedger, PartEnergy};
 use crate::time::history::{ContactMode, ContactState, Ending, HistoryRow};
 use crate::time::linear_part::{LinearPart, LinearStep};
 use crate::time::newmark::Newmark;
 use crate::time::scenario::Scenario;
 use railspring_calibrate::beam::RailBeam;
+use railspring_element::overlap::Pose;
+use railspring_element::strips::{Contact, ContactStrips};
 use railspring_profiles::error::{NumericsError, Result, StopReason};
 use railspring_profiles::placement::{departure, lateral_extent};
 
-use super::head::{Head, HeadAt};
 use super::model::CondensedModel;
-use super::step::{Meeting, Side, Step, arm, transport};
 use super::wheel::{self, Free, Wheel, WheelState};
 use crate::element::published::{Rail, RailDynamics, RailState, SectionMotion, Travel, at_end};
+use railspring_element::head::{Head, HeadAt};
+use railspring_element::step::{Meeting, Side, Step, arm, transport};
 
 /// What a force may be off at the end of a step, N: a ten-thousandth of a usual load.
 const FORCE: f64 = 10.0;

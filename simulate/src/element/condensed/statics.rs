@@ -2,14 +2,15 @@
 
 use nalgebra::{Matrix3, Point2, Vector2, Vector3};
 
-use crate::element::condensed::parts::{ContactStrips, Profiles};
+use railspring_element::overlap::Profiles;
+use railspring_element::strips::ContactStrips;
 use railspring_profiles::error::{NumericsError, Result, StopReason};
 
-use super::contact::Contacts;
-use super::head::HeadAt;
 use super::model::CondensedModel;
-use super::step::{Meeting, Side, Step, arm, transport};
 use crate::element::published::HubStatics;
+use railspring_element::contacts::Contacts;
+use railspring_element::head::HeadAt;
+use railspring_element::step::{Meeting, Side, Step, arm, transport};
 
 /// What a force may be off where the hub is held, N.
 const FORCE: f64 = 1e-4;

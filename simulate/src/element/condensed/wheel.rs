@@ -11,9 +11,9 @@
 
 use nalgebra::{Cholesky, DMatrix, Matrix3, SymmetricEigen, Vector3};
 
-use crate::element::condensed::parts::ElasticWheel;
 use crate::time::energy::PartEnergy;
 use crate::time::scenario::Scenario;
+use railspring_element::wheel::ElasticWheel;
 use railspring_profiles::error::{InputError, Result};
 use railspring_profiles::field::InputField;
 use railspring_profiles::units::TONNE;

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use railspring_calibrate::law::Form;
+use railspring_element::pair_element::PairElement;
 use railspring_profiles::error::{InputError, Result};
 use railspring_profiles::units::KILONEWTON_PER_METRE;
-use railspring_simulate::element::condensed::parts::PairElement;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 

@@ -6,12 +6,14 @@ use railspring_calibrate::pair::{CondensedPair, Pair};
 use railspring_profiles::error::{InputError, Result};
 
 use super::fit::{Sections, StripForm, fit_strips};
-use super::held_end::HeldEnd;
+use super::held_end::held_end;
 use super::lumped::{LumpedElement, LumpedSet};
-use super::pair_element::{HeadOfElement, PairElement};
 use super::places::PlaceApproaches;
 use super::sections::{RunningSurface, SectionFlexibility};
-use super::wheel::ElasticWheel;
+use super::wheel::elastic_wheel;
+use railspring_element::held_end::HeldEnd;
+use railspring_element::pair_element::{HeadOfElement, PairElement};
+use railspring_element::wheel::ElasticWheel;
 
 /// What the contact element of a pair has of its bodies, from which elements are made with one set of laws after another.
 #[derive(Clone)]
@@ -57,8 +59,8 @@ impl<'a> ElementBodies<'a> {
         on_wheel.check("wheel")?;
         on_rail.check("rail")?;
         let (rim, head) = (on_wheel.section(origin), on_rail.section(pair.node_line()));
-        let wheel = ElasticWheel::new(&on_wheel, modes, &rim, origin)?;
-        let held_end = HeldEnd::new(pair, bodies, &head, length)?;
+        let wheel = elastic_wheel(&on_wheel, modes, &rim, origin)?;
+        let held_end = held_end(pair, bodies, &head, length)?;
         let modulus = rail.surface.contact_modulus(&bodies.wheel.surface);
         Ok(Self { pair, modulus, wheel, rim, head, held_end })
     }

@@ -1,15 +1,15 @@
 //! Fits the strips of a pair to its laws by contact angle.
 
 use super::hertz::{hertz_table, winkler_table};
-use super::law::{StripPlace, StripStiffness};
-use super::modulus::StripModulus;
-use super::overlap::{Pose, Profiles};
 use super::places::{PlaceApproaches, PlaceLoad, StickingHub};
 use super::sections::SectionFlexibility;
-use super::strips::{Contact, ContactStrips};
 use nalgebra::{DMatrix, DVector, Point2, Vector2, Vector3};
 use railspring_calibrate::pair::Pair;
 use railspring_calibrate::superelement::carried;
+use railspring_element::law::{StripPlace, StripStiffness};
+use railspring_element::modulus::StripModulus;
+use railspring_element::overlap::{Pose, Profiles};
+use railspring_element::strips::{Contact, ContactStrips};
 use railspring_profiles::error::{InputError, Result};
 
 /// Distance of the places at which stiffness and hardening are sought, m.
@@ -364,7 +364,7 @@ fn between(knots: &[Knot], rail_s: f64) -> Knot {
 }
 
 impl Pressed {
-    fn profiles(&self, strips: &StripStiffness) -> ContactStrips<'_> {
+    fn profiles(&self, strips: &StripStiffness) -> ContactStrips {
         let pair = &self.pair;
         let profiles = Profiles::new(
             &pair.placed.curve,

@@ -5,13 +5,14 @@
 //! says it for all.
 
 use super::sections::{RunningSurface, SectionFlexibility};
-use nalgebra::{Matrix3, Point2, Point3, Rotation3, Vector3};
+use nalgebra::{Matrix3, Point2, Point3, Vector3};
 use railspring_calibrate::beam::HeldRail;
 use railspring_calibrate::contact::{HalfSpace, Side};
 use railspring_calibrate::mesh::{HexMesh, MeshOptions, SurfaceGrid, mesh_even_rail, mesh_rail};
 use railspring_calibrate::pair::{CondensedPair, Pair};
 use railspring_calibrate::solid::{Formulation, Material, Supports, System};
 use railspring_calibrate::superelement::{SectionMotion, Superelement, carried};
+use railspring_element::held_end::{EndPlace, HeldEnd, in_world};
 use railspring_profiles::error::Result;
 use std::cell::RefCell;
 
@@ -28,26 +29,6 @@ const EVERY: usize = 3;
 /// The shear flexibility is taken off in steps of this length at either end, m, up to the largest.
 const INSET_STEP: f64 = 1e-3;
 const MOST_INSET: f64 = 0.06;
-
-/// How the head of a rail moves near a held end.
-#[derive(Debug, Clone, PartialEq)]
-pub struct HeldEnd {
-    /// Length at an end that has no shear flexibility, m, as of [`HeldRail`].
-    pub inset: f64,
-    /// The head against such a rail, by ascending distance from the nearer end; beyond the last as there.
-    pub places: Vec<EndPlace>,
-}
-
-/// The head at a distance from an end.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct EndPlace {
-    /// The distance, m.
-    pub distance: f64,
-    /// Its flexibility against the rail, about the node line, in world axes: displacements y and z (m) and rotation about x (rad) under forces (N) and a torque (N·m).
-    pub flexibility: Matrix3<f64>,
-    /// Its motion under a torque of 1 N·m on the section in the middle of the rail, beyond the rotation of such a rail.
-    pub twist: Vector3<f64>,
-}
 
 /// A solid rail between held ends under the forces of the head's section at places along it.
 struct Stub<'a> {
@@ -115,52 +96,49 @@ impl<'a> Stub<'a> {
     }
 }
 
-impl HeldEnd {
-    /// The ends of the rail of a pair between whose ends of a `length` (m) the `bodies` have it, or of one of 0.7 m if that is shorter; `head` is the head in the middle of the bodies' rail against
-    /// its section.
-    ///
-    /// # Errors
-    /// A rail too short for its mesh, and an inverted element.
-    pub fn new(pair: &Pair, bodies: &CondensedPair, head: &SectionFlexibility, length: f64) -> Result<Self> {
-        let material = &bodies.rail_on_ends.surface;
-        let (length, middle) = match length <= LONGEST {
-            true => (length, head.flexibility + of_section(pair, &bodies.section, &bodies.rail_on_ends.grid)),
-            false => (LONGEST, whole_in_middle(pair, material, LONGEST)?),
+/// The ends of the rail of a pair between whose ends of a `length` (m) the `bodies` have it, or of one of 0.7 m if that is shorter; `head` is the head in the middle of the bodies' rail against
+/// its section.
+///
+/// # Errors
+/// A rail too short for its mesh, and an inverted element.
+pub fn held_end(
+    pair: &Pair,
+    bodies: &CondensedPair,
+    head: &SectionFlexibility,
+    length: f64,
+) -> Result<HeldEnd> {
+    let material = &bodies.rail_on_ends.surface;
+    let (length, middle) = match length <= LONGEST {
+        true => (length, head.flexibility + of_section(pair, &bodies.section, &bodies.rail_on_ends.grid)),
+        false => (LONGEST, whole_in_middle(pair, material, LONGEST)?),
+    };
+    let mesh = even(pair, length)?;
+    let stub = Stub::new(pair, &mesh, material, length)?;
+    let last = ((0.5 * length / stub.pitch).round() as usize).max(FIRST);
+    let beyond = (NEAR..last).step_by(EVERY);
+    let layers = (FIRST..NEAR.min(last)).chain(beyond).chain([last]);
+    let twisted = stub.twisted(pair)?;
+    let places: Vec<(f64, Matrix3<f64>, Vector3<f64>)> = layers
+        .map(|layers| {
+            let twist = motion(&stub.rows(layers), &twisted);
+            (layers as f64 * stub.pitch, stub.head(layers), twist)
+        })
+        .collect();
+    let of_nodes = places.last().map_or_else(Matrix3::zeros, |(_, of_middle, _)| *of_middle);
+    let against = |inset: f64| -> Vec<EndPlace> {
+        let rail = HeldRail::new(&pair.properties, material, length, inset);
+        let place = |&(distance, head, twist): &(f64, Matrix3<f64>, Vector3<f64>)| {
+            let of_rail = in_world(pair.placed.angle, rail.flexibility(distance));
+            let turned = Vector3::new(0.0, 0.0, rail.twist(0.5 * length, distance));
+            EndPlace { distance, flexibility: head - of_nodes + middle - of_rail, twist: twist - turned }
         };
-        let mesh = even(pair, length)?;
-        let stub = Stub::new(pair, &mesh, material, length)?;
-        let last = ((0.5 * length / stub.pitch).round() as usize).max(FIRST);
-        let beyond = (NEAR..last).step_by(EVERY);
-        let layers = (FIRST..NEAR.min(last)).chain(beyond).chain([last]);
-        let twisted = stub.twisted(pair)?;
-        let places: Vec<(f64, Matrix3<f64>, Vector3<f64>)> = layers
-            .map(|layers| {
-                let twist = motion(&stub.rows(layers), &twisted);
-                (layers as f64 * stub.pitch, stub.head(layers), twist)
-            })
-            .collect();
-        let of_nodes = places.last().map_or_else(Matrix3::zeros, |(_, of_middle, _)| *of_middle);
-        let against = |inset: f64| -> Vec<EndPlace> {
-            let rail = HeldRail::new(&pair.properties, material, length, inset);
-            let place = |&(distance, head, twist): &(f64, Matrix3<f64>, Vector3<f64>)| {
-                let of_rail = in_world(pair.placed.angle, rail.flexibility(distance));
-                let turned = Vector3::new(0.0, 0.0, rail.twist(0.5 * length, distance));
-                EndPlace { distance, flexibility: head - of_nodes + middle - of_rail, twist: twist - turned }
-            };
-            places.iter().map(place).collect()
-        };
-        let stores = |places: &[EndPlace]| places.iter().all(|place| place.flexibility[(1, 1)] >= 0.0);
-        let steps = (MOST_INSET / INSET_STEP) as usize;
-        let mut insets = (0..=steps).map(|step| step as f64 * INSET_STEP);
-        let inset = insets.find(|inset| stores(&against(*inset))).unwrap_or(MOST_INSET);
-        Ok(Self { inset, places: against(inset) })
-    }
-}
-
-/// Flexibilities along the axes of a section that is turned by an `angle`, in world axes.
-pub fn in_world(angle: f64, [y, z, turned]: [f64; 3]) -> Matrix3<f64> {
-    let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), angle);
-    turn * Matrix3::from_diagonal(&Vector3::new(y, z, turned)) * turn.inverse()
+        places.iter().map(place).collect()
+    };
+    let stores = |places: &[EndPlace]| places.iter().all(|place| place.flexibility[(1, 1)] >= 0.0);
+    let steps = (MOST_INSET / INSET_STEP) as usize;
+    let mut insets = (0..=steps).map(|step| step as f64 * INSET_STEP);
+    let inset = insets.find(|inset| stores(&against(*inset))).unwrap_or(MOST_INSET);
+    Ok(HeldEnd { inset, places: against(inset) })
 }
 
 /// Flexibility of the middle of a solid rail of a `length` (m) under forces on its head, beyond what is a contact's.

@@ -1,10 +1,10 @@
 //! Strips that make Hertz's contact wherever two profiles can touch, and those of a Winkler foundation that do.
 
-use super::law::{StripPlace, StripStiffness};
-use super::modulus::StripModulus;
-use super::relief::{Influence, ReliefPlaces};
 use railspring_calibrate::analytic::hertz::point_contact;
 use railspring_calibrate::pair::Pair;
+use railspring_element::law::{StripPlace, StripStiffness};
+use railspring_element::modulus::StripModulus;
+use railspring_element::relief::{Influence, ReliefPlaces};
 use railspring_profiles::profile::ProfileCurve;
 
 /// Distance of the places of the table, m.

@@ -20,11 +20,11 @@
 //! without its parts between z and the others. `T` takes motions of the node line to the origin of the wheel's profile. In y and φ that is a spring along each direction at the elastic
 //! centre, `-C_yφ/C_φφ` above the node line: `k_φ = 1/C_φφ`, `k_y = 1/(C_yy - C_yφ²/C_φφ)`; and `k_z = 1/C_zz`.
 
-use super::held_end::{EndPlace, HeldEnd};
-use super::law::StripStiffness;
-use super::pair_element::{HeadOfElement, PairElement};
-use super::wheel::{ElasticWheel, RimMode, positive};
 use nalgebra::{Matrix3, Vector2, Vector3};
+use railspring_element::held_end::{EndPlace, HeldEnd};
+use railspring_element::law::StripStiffness;
+use railspring_element::pair_element::{HeadOfElement, PairElement};
+use railspring_element::wheel::{ElasticWheel, RimMode, positive};
 use std::f64::consts::TAU;
 
 /// A mode couples with a motion of the hub where it has this share at least of the hub's mass in it.

@@ -1,8 +1,9 @@
-//! The wheel as hub, modes and the static rest, as seen at the section of its rim that touches.
+//! The wheel of an element from its condensed body.
 
 use super::sections::{RunningSurface, SectionFlexibility};
 use nalgebra::{DMatrix, DVector, Matrix3, Point2, SymmetricEigen, Vector3};
 use railspring_calibrate::superelement::{Modes, carried};
+use railspring_element::wheel::{ElasticWheel, RimMode, positive};
 use railspring_profiles::error::{InputError, Result};
 use std::f64::consts::TAU;
 
@@ -21,100 +22,51 @@ const CONTACT: f64 = 1e9;
 /// Motions of the hub that a wheel in the plane of the section has: y, z, rotation about x.
 const MOTIONS: [usize; 3] = [1, 2, 3];
 
-/// A wheel on its hub: its mass, its modes with the hub held, and what its rim has of either. Coordinates are displacements y and z
-/// (m) and the rotation about x (rad).
-#[derive(Debug, Clone, PartialEq)]
-pub struct ElasticWheel {
-    /// Mass between the motions of the hub, as those of a rigid body about the hub's centre; kg, kg·m, kg·m².
-    pub mass: Matrix3<f64>,
-    /// From the rim's reference point to the hub's centre (y, z), m.
-    pub hub: [f64; 2],
-    /// Modes with the hub held that move the rim, by ascending frequency.
-    pub modes: Vec<RimMode>,
-    /// Flexibility of the rim's section, the hub held, beyond the modes: displacements (m) and rotation (rad) under forces (N) and a torque
-    /// (N·m).
-    pub rest: Matrix3<f64>,
-}
-
-/// A mode of mass 1 kg of the wheel with its hub held.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RimMode {
-    /// Square of its angular frequency, 1/s².
-    pub square: f64,
-    /// Motion of the rim's section in the mode.
-    pub rim: Vector3<f64>,
-    /// Mass between the mode and the motions of the hub.
-    pub coupling: Vector3<f64>,
-}
-
-impl ElasticWheel {
-    /// From a wheel's surface and modes: those that move the rim up to 600 Hz, and as many more as the rim needs at 300 Hz, as modes, the others as statics. `rim` is
-    /// the flexibility of its section about the point `about` (y, z of the body's frame; m).
-    ///
-    /// # Errors
-    /// [`InputError`] for modes without stiffness.
-    pub fn new(
-        surface: &RunningSurface,
-        modes: &Modes,
-        rim: &SectionFlexibility,
-        about: Point2<f64>,
-    ) -> Result<Self> {
-        let count = modes.count();
-        let rows = rigid_rows(surface, modes, about);
-        let natural = SymmetricEigen::new(modes.stiffness(count));
-        let mut order: Vec<usize> = (0..count).collect();
-        order.sort_by(|&a, &b| natural.eigenvalues[a].total_cmp(&natural.eigenvalues[b]));
-        let mut all = Vec::new();
-        for &n in &order {
-            let (square, shape) = (natural.eigenvalues[n], natural.eigenvectors.column(n));
-            if square <= 0.0 {
-                let (value, expected) = (format!("{square} 1/s²"), "modes of a body that is held");
-                return InputError::refuse("modes", value, expected, "condense the wheel again");
-            }
-            let along = |row: &DVector<f64>| row.dot(&shape);
-            let rim = Vector3::from_fn(|i, _| along(&rows[i]));
-            let coupling = Vector3::from_fn(|i, _| {
-                (0..count).map(|mode| modes.coupling(MOTIONS[i], mode) * shape[mode]).sum()
-            });
-            all.push(RimMode { square, rim, coupling });
+/// A wheel from its surface and modes: those that move the rim up to 600 Hz, and as many more as the rim needs at 300 Hz, as modes, the others as statics. `rim` is
+/// the flexibility of its section about the point `about` (y, z of the body's frame; m).
+///
+/// # Errors
+/// [`InputError`] for modes without stiffness.
+pub fn elastic_wheel(
+    surface: &RunningSurface,
+    modes: &Modes,
+    rim: &SectionFlexibility,
+    about: Point2<f64>,
+) -> Result<ElasticWheel> {
+    let count = modes.count();
+    let rows = rigid_rows(surface, modes, about);
+    let natural = SymmetricEigen::new(modes.stiffness(count));
+    let mut order: Vec<usize> = (0..count).collect();
+    order.sort_by(|&a, &b| natural.eigenvalues[a].total_cmp(&natural.eigenvalues[b]));
+    let mut all = Vec::new();
+    for &n in &order {
+        let (square, shape) = (natural.eigenvalues[n], natural.eigenvectors.column(n));
+        if square <= 0.0 {
+            let (value, expected) = (format!("{square} 1/s²"), "modes of a body that is held");
+            return InputError::refuse("modes", value, expected, "condense the wheel again");
         }
-        all.retain(|mode| mode.moves(&rim.flexibility));
-        all.truncate(needed(&all, &rim.flexibility));
-        let rest = all.iter().fold(rim.flexibility, |rest, mode| rest - mode.flexibility());
-        let master = modes.rigid_motion(&nalgebra::Point3::origin(), 3);
-        // a rotation about x moves the origin by (-z, y) of its arm
-        let centre = Point2::new(-master.z, master.y);
-        let hub = [centre.x - about.x, centre.y - about.y];
-        let mass = Matrix3::from_fn(|i, j| modes.rigid_mass(MOTIONS[i], MOTIONS[j]));
-        Ok(Self { mass, hub, modes: all, rest: positive(rest) })
+        let along = |row: &DVector<f64>| row.dot(&shape);
+        let rim = Vector3::from_fn(|i, _| along(&rows[i]));
+        let coupling = Vector3::from_fn(|i, _| {
+            (0..count).map(|mode| modes.coupling(MOTIONS[i], mode) * shape[mode]).sum()
+        });
+        all.push(RimMode { square, rim, coupling });
     }
-
-    /// Flexibility of the rim's section, the hub held.
-    pub fn rim_flexibility(&self) -> Matrix3<f64> {
-        self.modes.iter().fold(self.rest, |sum, mode| sum + mode.flexibility())
-    }
-
-    /// Motion of the rim's section under unit motions of the hub.
-    pub fn carried_by_hub(&self) -> Matrix3<f64> {
-        let mut carried = Matrix3::identity();
-        // the rim's reference point as seen from the hub
-        carried[(0, 2)] = self.hub[1];
-        carried[(1, 2)] = -self.hub[0];
-        carried
-    }
+    all.retain(|mode| moves(mode, &rim.flexibility));
+    all.truncate(needed(&all, &rim.flexibility));
+    let rest = all.iter().fold(rim.flexibility, |rest, mode| rest - mode.flexibility());
+    let master = modes.rigid_motion(&nalgebra::Point3::origin(), 3);
+    // a rotation about x moves the origin by (-z, y) of its arm
+    let centre = Point2::new(-master.z, master.y);
+    let hub = [centre.x - about.x, centre.y - about.y];
+    let mass = Matrix3::from_fn(|i, j| modes.rigid_mass(MOTIONS[i], MOTIONS[j]));
+    Ok(ElasticWheel { mass, hub, modes: all, rest: positive(rest) })
 }
 
-impl RimMode {
-    /// Flexibility of the rim's section in the mode.
-    pub fn flexibility(&self) -> Matrix3<f64> {
-        self.rim * self.rim.transpose() / self.square
-    }
-
-    /// Whether it moves a `rim` of a flexibility.
-    fn moves(&self, rim: &Matrix3<f64>) -> bool {
-        let own = self.flexibility();
-        (0..3).any(|i| own[(i, i)] > LEAST_MOVED * rim[(i, i)])
-    }
+/// Whether a mode moves a `rim` of a flexibility.
+fn moves(mode: &RimMode, rim: &Matrix3<f64>) -> bool {
+    let own = mode.flexibility();
+    (0..3).any(|i| own[(i, i)] > LEAST_MOVED * rim[(i, i)])
 }
 
 /// How many of the modes by ascending frequency a rim of a flexibility moves in, in series with a contact that does not turn.
@@ -160,17 +112,6 @@ fn rigid_rows(surface: &RunningSurface, modes: &Modes, about: Point2<f64>) -> [D
     [0, 1, 2].map(|i| motions.row(i).transpose())
 }
 
-/// The nearest flexibility of a section (y, z, rotation about x) that stores no negative energy: what is negative is the misfit of the section.
-pub fn positive(matrix: Matrix3<f64>) -> Matrix3<f64> {
-    // rotations as displacements at a lever of the profile's size
-    const LEVER: f64 = 0.03;
-    let scale = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, LEVER));
-    let back = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, 1.0 / LEVER));
-    let parts = SymmetricEigen::new(scale * matrix * scale);
-    let values = parts.eigenvalues.map(|value| value.max(0.0));
-    back * parts.eigenvectors * Matrix3::from_diagonal(&values) * parts.eigenvectors.transpose() * back
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -208,8 +149,8 @@ mod tests {
             RimMode { square, rim, coupling: Vector3::zeros() }
         };
         for direction in 0..3 {
-            assert!(mode(direction, 1.1e-4).moves(&flexibility), "{direction}");
-            assert!(!mode(direction, 0.9e-4).moves(&flexibility), "{direction}");
+            assert!(moves(&mode(direction, 1.1e-4), &flexibility), "{direction}");
+            assert!(!moves(&mode(direction, 0.9e-4), &flexibility), "{direction}");
         }
     }
 }

@@ -2,19 +2,20 @@
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
-use crate::element::condensed::parts::{EndPlace, HeldEnd, in_world};
 use crate::time::scenario::{HarmonicForce, Scenario};
 use crate::time::steps::InnerSteps;
 use railspring_calibrate::beam::{BeamCorrection, HeldRail, RailBeam};
 use railspring_calibrate::pair::Pair;
 use railspring_calibrate::solid::Material;
+use railspring_element::held_end::{EndPlace, HeldEnd, in_world};
 use railspring_profiles::monitor::Silent;
 use railspring_profiles::placement::TrackGeometry;
 use railspring_profiles::section::{rail_section, wheel_section};
 
 use super::super::CondensedModel;
-use super::super::head::{Head, HeadAt};
+use super::super::head::between_held_ends;
 use super::elastic;
+use railspring_element::head::{Head, HeadAt};
 
 const LENGTH: f64 = 0.555;
 
@@ -51,7 +52,7 @@ fn the_head_is_that_of_a_held_rail_near_the_ends() {
     for length in [0.3, LENGTH, 30.0] {
         let (pair, beam) = beam(length);
         let rail = HeldRail::new(&pair.properties, &Material::STEEL, length, end().inset);
-        let head = Head::between_held_ends(&beam, &rail, &end());
+        let head = between_held_ends(&beam, &rail, &end());
         let of_beam = |x: f64| in_world(beam.angle(), beam.at_place(x));
         let whole = |x: f64| {
             let HeadAt { share, flexibility, .. } = head.at(x);

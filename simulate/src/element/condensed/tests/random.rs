@@ -14,7 +14,9 @@ use railspring_profiles::monitor::Silent;
 use railspring_profiles::placement::TrackGeometry;
 use railspring_profiles::section::{rail_section, wheel_section};
 
-use crate::element::condensed::parts::{Influence, StripModulus, StripPlace, StripStiffness};
+use railspring_element::law::{StripPlace, StripStiffness};
+use railspring_element::modulus::StripModulus;
+use railspring_element::relief::Influence;
 
 use railspring_testing::Random;
 

@@ -1,8 +1,8 @@
 //! The elastic wheel against closed solutions.
 
 use super::*;
-use crate::element::condensed::parts::RimMode;
 use crate::time::scenario::{HarmonicForce, Kelvin};
+use railspring_element::wheel::RimMode;
 
 const HUB: f64 = 283.0;
 const SUSPENDED: f64 = 1000.0;

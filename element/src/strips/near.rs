@@ -9,8 +9,8 @@
 use super::contact::{Contact, Relieved};
 use super::contact_strips::ContactStrips;
 use super::strip::{End, Pressed, Strip};
-use crate::element::condensed::parts::overlap::Pose;
-use crate::element::condensed::parts::relief::StripLoad;
+use crate::overlap::Pose;
+use crate::relief::StripLoad;
 use nalgebra::{Matrix3, Rotation2, Vector2, Vector3};
 
 /// Strips serve until the wheel has slid over them by this, m: a fiftieth of a narrow contact.
@@ -26,7 +26,7 @@ const OF_GAP: f64 = 0.5;
 /// Distance of contacts from the wheel's reference point, m.
 const LEVER: f64 = 0.1;
 
-impl ContactStrips<'_> {
+impl ContactStrips {
     /// Lets the strips be found anew at the next look, wherever it is.
     pub fn find_anew(&mut self) {
         self.anew = true;

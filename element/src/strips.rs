@@ -6,7 +6,7 @@
 //! models for vehicle system dynamics including multi-point contact", Vehicle Syst. Dyn. 43 (2005), call such a method one of virtual
 //! penetration; here its stiffness is that of the solids.
 //!
-//! What the loads move beside their strips stands in [`super::relief`].
+//! What the loads move beside their strips stands in [`crate::relief`].
 //!
 //! Friction acts on every strip: a tangential spring that Coulomb's law limits by the normal force there ([`friction`]). The strips at the edges of a contact
 //! slide first. With strips whose forces are spread as a parabola the tangential force is C. Cattaneo's and R.D. Mindlin's,
@@ -21,9 +21,9 @@ mod contact_strips;
 mod friction;
 mod near;
 
-use super::modulus::StripLaw;
-use super::overlap::Pose;
-use super::relief::Relief;
+use crate::modulus::StripLaw;
+use crate::overlap::Pose;
+use crate::relief::Relief;
 
 pub use self::contact::{Contact, Relieved};
 pub use self::contact_strips::ContactStrips;
@@ -36,7 +36,7 @@ const RELIEVED: f64 = 1e-12;
 const FAR_OFF: f64 = 5e-6;
 const SETTLINGS: usize = 12;
 
-impl ContactStrips<'_> {
+impl ContactStrips {
     /// The contacts at a pose, in the order of the rail's profile, with a coefficient of friction.
     pub fn look(
         &mut self,
@@ -55,12 +55,7 @@ impl ContactStrips<'_> {
     }
 
     /// The contacts at a pose without friction, relieved of what their own loads make.
-    pub(super) fn settled(
-        &mut self,
-        pose: &Pose,
-        law: &impl StripLaw,
-        contacts: &mut Vec<Contact>,
-    ) -> Relieved {
+    pub fn settled(&mut self, pose: &Pose, law: &impl StripLaw, contacts: &mut Vec<Contact>) -> Relieved {
         self.made = Relief::default();
         self.settle(pose, law, 0.0, (MOST_SETTLINGS, RELIEVED), contacts)
     }

@@ -1,9 +1,9 @@
 //! The strips against their own potential, Hertz's contact and themselves.
 
 use super::*;
-use crate::element::condensed::parts::modulus::StripModulus;
-use crate::element::condensed::parts::overlap::Profiles;
-use crate::element::condensed::parts::relief::Influence;
+use crate::modulus::StripModulus;
+use crate::overlap::Profiles;
+use crate::relief::Influence;
 use nalgebra::{Point2, Rotation2, Vector2, Vector3};
 use railspring_calibrate::analytic::hertz::{contact_modulus, point_contact};
 use railspring_calibrate::pair::Pair;
@@ -29,7 +29,7 @@ impl StripLaw for Falling {
     }
 }
 
-pub(in super::super) struct Uniform(pub f64);
+pub(crate) struct Uniform(pub f64);
 
 impl StripLaw for Uniform {
     fn modulus(&self, _: f64) -> StripModulus {
@@ -42,21 +42,21 @@ fn pair() -> Pair {
     Pair::new(rail, wheel, &TrackGeometry::standard()).unwrap()
 }
 
-fn strips<'a>(pair: &'a Pair, law: &impl StripLaw) -> ContactStrips<'a> {
+fn strips(pair: &Pair, law: &impl StripLaw) -> ContactStrips {
     let (tape, line) = (Point2::from(pair.tape()), pair.node_line());
     ContactStrips::new(Profiles::new(&pair.placed.curve, &pair.wheel.running, tape, line), law)
 }
 
 /// Both profiles with their origins in the world's.
-pub(in super::super) fn at_origin<'a>(
+pub(crate) fn at_origin<'a>(
     rail: &'a ProfileCurve,
     wheel: &'a ProfileCurve,
     law: &impl StripLaw,
-) -> ContactStrips<'a> {
+) -> ContactStrips {
     ContactStrips::new(Profiles::new(rail, wheel, Point2::origin(), Point2::origin()), law)
 }
 
-pub(in super::super) fn found(strips: &mut ContactStrips, pose: &Pose, law: &impl StripLaw) -> Vec<Contact> {
+pub(crate) fn found(strips: &mut ContactStrips, pose: &Pose, law: &impl StripLaw) -> Vec<Contact> {
     let mut contacts = Vec::new();
     strips.settled(pose, law, &mut contacts);
     contacts
@@ -146,7 +146,7 @@ fn forces_are_the_gradient_of_the_energy() {
 }
 
 /// A profile of 80 mm through z(y).
-pub(in super::super) fn profile(shape: impl Fn(f64) -> f64) -> ProfileCurve {
+pub(crate) fn profile(shape: impl Fn(f64) -> f64) -> ProfileCurve {
     let points: Vec<Point2<f64>> =
         (-40..=40).map(|i| 1e-3 * f64::from(i)).map(|y| Point2::new(y, shape(y))).collect();
     ProfileCurve::from_points(&points, &[]).unwrap()

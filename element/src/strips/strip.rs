@@ -1,8 +1,8 @@
 //! A strip between two profiles, where it was found and under a motion since.
 
-use crate::element::condensed::parts::modulus::{StripLaw, StripModulus};
-use crate::element::condensed::parts::overlap::{Facing, Profiles};
-use crate::element::condensed::parts::relief::Bells;
+use crate::modulus::{StripLaw, StripModulus};
+use crate::overlap::{Facing, Profiles};
+use crate::relief::Bells;
 use nalgebra::{Vector2, Vector3};
 
 /// A strip where it was found, in the wheel's frame.

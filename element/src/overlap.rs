@@ -10,7 +10,7 @@ mod profiles;
 mod extent;
 
 use self::profiles::{Dip, Span, Station};
-use super::relief::Relief;
+use crate::relief::Relief;
 use nalgebra::Vector2;
 use std::ops::Range;
 
@@ -24,7 +24,7 @@ const NEAR: f64 = 20e-6;
 /// Stations farther than this from an overlap are looked at together, once the bodies have moved so far, m.
 const FAR: f64 = 200e-6;
 
-impl Profiles<'_> {
+impl Profiles {
     /// Looks at a station; none of its penetrations is larger than the `bound` and what the bodies move.
     fn look_at(&mut self, place: &Turned, i: usize) {
         let Station { point, normal, wheel_s, .. } = self.stations[i];

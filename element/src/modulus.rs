@@ -1,6 +1,6 @@
 //! The stiffness of a strip, and where it is from.
 
-use super::relief::Influence;
+use crate::relief::Influence;
 
 /// Penetration at which a strip has half of its hardening, m: about that of a contact under a usual load.
 const HARDENING_DEPTH: f64 = 40e-6;

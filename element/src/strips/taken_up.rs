@@ -1,6 +1,6 @@
 //! What friction has taken up along the rail.
 
-use crate::element::condensed::parts::overlap::Pose;
+use crate::overlap::Pose;
 use std::ops::Range;
 
 /// Distance of the places of the rail at which it is kept, m: an eighth of a narrow contact's half-width. A contact that rolls takes in new places, which have taken up

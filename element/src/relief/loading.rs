@@ -18,7 +18,7 @@ const COMPONENTS: usize = 6;
 
 /// What a contact's forces change by with the relief at one place.
 #[derive(Debug, Clone, Copy)]
-pub(in super::super) struct Gradient {
+pub(crate) struct Gradient {
     /// The number of the place.
     place: usize,
     /// Normal forces and their moment, N/m.
@@ -28,7 +28,7 @@ pub(in super::super) struct Gradient {
 }
 
 /// A strip as it loads a surface.
-pub(in super::super) struct StripLoad {
+pub(crate) struct StripLoad {
     /// Force by its weight, N.
     pub load: f64,
     /// Change of that with the relief, N/m.
@@ -41,7 +41,7 @@ pub(in super::super) struct StripLoad {
 
 /// The loads of all contacts under a relief.
 #[derive(Debug, Clone, Default)]
-pub(in super::super) struct Loading {
+pub(crate) struct Loading {
     /// By place, N.
     load: Vec<f64>,
     /// What they lose with the relief at the same place and the next ones, N/m.

@@ -1,7 +1,7 @@
 //! The stiffness of a contact's strips along the rail.
 
-use super::modulus::{StripLaw, StripModulus};
-use super::relief::Influence;
+use crate::modulus::{StripLaw, StripModulus};
+use crate::relief::Influence;
 
 /// What is known of the contact at one place of the rail.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,7 +1,7 @@
 //! Overlaps that change their number.
 
-use super::super::strips::tests::{Uniform, at_origin, found, profile};
 use super::*;
+use crate::strips::tests::{Uniform, at_origin, found, profile};
 use nalgebra::{Point2, Vector3};
 use railspring_calibrate::pair::Pair;
 use railspring_profiles::placement::TrackGeometry;

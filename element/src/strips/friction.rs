@@ -3,12 +3,12 @@
 use super::contact_strips::ContactStrips;
 use super::strip::Strip;
 use super::taken_up::TakenUp;
-use crate::element::condensed::parts::overlap::Pose;
+use crate::overlap::Pose;
 
 /// Way by which that of the wheel may be longer than the straight one, m, before what friction takes up is kept.
 const DETOUR: f64 = 0.1e-6;
 
-impl ContactStrips<'_> {
+impl ContactStrips {
     /// A step ends where the contacts have been looked at last: what friction has taken up there stays with the places of the rail.
     pub fn commit(&mut self, coefficient: f64) {
         if coefficient == 0.0 {

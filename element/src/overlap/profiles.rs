@@ -3,9 +3,10 @@
 use super::bends::{Bends, LEAST_STATION, joints};
 use super::facing::{Facing, LEAST_COSINE, Turned};
 use super::rule::{POINTS, gauss};
-use crate::element::condensed::parts::relief::{Influence, Relief, ReliefPlaces};
+use crate::relief::{Influence, Relief, ReliefPlaces};
 use nalgebra::{Point2, Rotation2, Vector2, Vector3};
 use railspring_profiles::profile::ProfileCurve;
+use std::sync::Arc;
 
 /// Distance of the stations at which contacts are looked for, m.
 const STATION: f64 = 1e-3;
@@ -50,9 +51,9 @@ pub(super) struct Station {
 
 /// Both running surfaces in place.
 #[derive(Debug, Clone)]
-pub struct Profiles<'a> {
-    pub(super) rail: &'a ProfileCurve,
-    pub(super) wheel: &'a ProfileCurve,
+pub struct Profiles {
+    pub(super) rail: Arc<ProfileCurve>,
+    pub(super) wheel: Arc<ProfileCurve>,
     /// World position of the wheel profile's origin at rest, m.
     origin: Point2<f64>,
     /// World position of the rail's reference point at rest, m.
@@ -61,7 +62,7 @@ pub struct Profiles<'a> {
     /// What of a relief takes part at each station.
     pub(super) weights: Vec<f64>,
     /// Where loads relieve others, if they do, and the relief under which the bodies are looked at.
-    pub(in super::super) places: Option<ReliefPlaces>,
+    pub(crate) places: Option<ReliefPlaces>,
     pub(super) relief: Relief,
     /// A contact whose overlap is between two stations can be so much deeper than they are, m: an eighth of the sharpest relative curvature times the square of
     /// their distance.
@@ -76,7 +77,7 @@ pub struct Profiles<'a> {
     /// What the profiles have moved against each other since the bounds set out, m.
     pub(super) travel: f64,
     /// The bodies can move against each other by this, m, before they may overlap in another place or part in the middle of one.
-    pub(in super::super) gap: f64,
+    pub(crate) gap: f64,
     /// The stations near an overlap, the first and the last, and the highest bound of all others.
     pub(super) window: [usize; 2],
     pub(super) outside: f64,
@@ -111,19 +112,19 @@ pub(super) struct Dip {
 
 /// A part of the rail's profile on which the bodies overlap.
 #[derive(Debug, Clone, Copy)]
-pub(in super::super) struct Overlap {
+pub(crate) struct Overlap {
     /// The arc lengths between which it is, m.
     pub extent: [f64; 2],
     /// The stations before and behind it.
     pub(super) stations: (usize, usize),
 }
 
-impl<'a> Profiles<'a> {
+impl Profiles {
     /// `rail` is in world coordinates, `wheel` in its profile frame, whose origin stands at the world point `origin`; motions of the
     /// rail are about `rail_origin`.
     pub fn new(
-        rail: &'a ProfileCurve,
-        wheel: &'a ProfileCurve,
+        rail: &ProfileCurve,
+        wheel: &ProfileCurve,
         origin: Point2<f64>,
         rail_origin: Point2<f64>,
     ) -> Self {
@@ -153,8 +154,8 @@ impl<'a> Profiles<'a> {
         let between = 0.125 * curvature.min(SHARPEST) * station * station;
         let reach = stations.iter().map(|station| (station.point - middle).norm()).fold(0.0, f64::max);
         let mut profiles = Self {
-            rail,
-            wheel,
+            rail: Arc::new(rail.clone()),
+            wheel: Arc::new(wheel.clone()),
             origin,
             rail_origin,
             between,
@@ -184,9 +185,9 @@ impl<'a> Profiles<'a> {
     }
 
     /// With loads that relieve others, by the weights along the rail.
-    pub(in super::super) fn relieved(mut self, influence: Influence, weight: impl Fn(f64) -> f64) -> Self {
+    pub(crate) fn relieved(mut self, influence: Influence, weight: impl Fn(f64) -> f64) -> Self {
         self.weights = self.stations.iter().map(|station| weight(station.s)).collect();
-        self.places = ReliefPlaces::new(self.rail, influence);
+        self.places = ReliefPlaces::new(&self.rail, influence);
         self
     }
 
@@ -270,12 +271,12 @@ impl<'a> Profiles<'a> {
     }
 
     /// World position of the wheel's reference point at rest, m.
-    pub(in super::super) fn wheel_origin(&self) -> Point2<f64> {
+    pub(crate) fn wheel_origin(&self) -> Point2<f64> {
         self.origin
     }
 
     /// Motion of the wheel against the rail from one pose to another, about the wheel's reference point where that is then.
-    pub(in super::super) fn motion_between(&self, from: &Pose, to: &Pose) -> Vector3<f64> {
+    pub(crate) fn motion_between(&self, from: &Pose, to: &Pose) -> Vector3<f64> {
         let rail = to.rail - from.rail;
         let arm = self.origin + to.wheel.xy() - self.rail_origin - to.rail.xy();
         to.wheel - from.wheel - Vector3::new(rail.x - arm.y * rail.z, rail.y + arm.x * rail.z, rail.z)

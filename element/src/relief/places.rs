@@ -55,7 +55,7 @@ impl Influence {
 
 /// The places along a rail where loads are summed.
 #[derive(Debug, Clone)]
-pub(in super::super) struct ReliefPlaces {
+pub struct ReliefPlaces {
     spacing: f64,
     length: f64,
     pub(super) count: usize,
@@ -67,7 +67,7 @@ pub(in super::super) struct ReliefPlaces {
 
 /// What of the functions of a surface a place of it has.
 #[derive(Debug, Clone, Copy, Default)]
-pub(in super::super) struct Bells {
+pub(crate) struct Bells {
     pub(super) first: usize,
     pub(super) value: [f64; WIDTH],
 }
@@ -127,7 +127,7 @@ impl ReliefPlaces {
     }
 
     /// The functions at an arc length.
-    pub fn bells(&self, s: f64) -> Bells {
+    pub(crate) fn bells(&self, s: f64) -> Bells {
         let (first, u) = self.split(s);
         let (v, u2) = (1.0 - u, u * u);
         let (v2, u4) = (v * v, u2 * u2);
@@ -199,7 +199,7 @@ mod tests {
     use nalgebra::Point2;
 
     impl Relief {
-        pub(in super::super::super) fn times(&self, factor: f64) -> Self {
+        pub(crate) fn times(&self, factor: f64) -> Self {
             Self { at: self.at.iter().map(|at| factor * at).collect() }
         }
     }

@@ -2,7 +2,9 @@
 
 use nalgebra::Vector3;
 
-use crate::element::condensed::parts::{Contact, ContactStrips, Pose, Relieved, StripStiffness};
+use crate::law::StripStiffness;
+use crate::overlap::Pose;
+use crate::strips::{Contact, ContactStrips, Relieved};
 
 /// A relief that is off by more than this, m, is not settled: it is taken into account to first order, so that forces are off by its square.
 const RELIEF: f64 = 1e-8;
@@ -15,7 +17,8 @@ const OF_GAP: f64 = 0.5;
 
 /// All contacts at a pose.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Contacts {
+pub struct Contacts {
+    /// In the order of the rail's profile.
     pub list: Vec<Contact>,
     /// Their forces on the wheel with the moment about its reference point.
     pub all: Relieved,
@@ -107,7 +110,7 @@ impl Contacts {
 }
 
 /// The largest displacement of a motion, m; not a number where one of its parts is none.
-pub(super) fn size(motion: &Vector3<f64>) -> f64 {
+pub fn size(motion: &Vector3<f64>) -> f64 {
     let [x, y, turned] = [motion.x.abs(), motion.y.abs(), LEVER * motion.z.abs()];
     let largest = x.max(y).max(turned);
     if (x + y + turned).is_finite() { largest } else { f64::NAN }

@@ -2,10 +2,12 @@
 
 use nalgebra::{Matrix3, Vector2, Vector3};
 
-use crate::element::condensed::parts::{ContactStrips, Pose, StripStiffness};
+use crate::law::StripStiffness;
+use crate::overlap::Pose;
+use crate::strips::ContactStrips;
 use railspring_profiles::error::{NumericsError, Result, StopReason};
 
-use super::contact::{Contacts, size};
+use crate::contacts::{Contacts, size};
 
 /// Looks at the contacts of a step.
 const ITERATIONS: usize = 100;
@@ -17,7 +19,7 @@ const LONGER: f64 = 1.02;
 
 /// A side of the contact over one step: at its end the section has moved by `free + flexibility·force` under the contact's force there.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Side {
+pub struct Side {
     /// Motion without contact force at the end of the step.
     pub free: Vector3<f64>,
     /// Motion per contact force at the end.
@@ -26,8 +28,10 @@ pub(super) struct Side {
 
 /// Where the sections are, and the contact between them.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Meeting {
+pub struct Meeting {
+    /// Where they are.
     pub pose: Pose,
+    /// The contact there.
     pub contacts: Contacts,
     /// Force on the wheel beside that of the contacts.
     pub beside: Vector3<f64>,
@@ -41,10 +45,14 @@ impl Meeting {
 }
 
 /// What a step is done with.
-pub(super) struct Step<'a> {
+pub struct Step<'a> {
+    /// The rim.
     pub wheel: Side,
+    /// The rail's head.
     pub rail: Side,
+    /// Stiffness of the strips.
     pub law: &'a StripStiffness,
+    /// Coefficient of friction.
     pub friction: f64,
     /// Force on the wheel beside that of the contacts, at the end.
     pub beside: Vector3<f64>,
@@ -55,12 +63,12 @@ pub(super) struct Step<'a> {
 }
 
 /// From the rail's reference point to the wheel's at a pose, m.
-pub(super) fn arm(references: &[Vector2<f64>; 2], pose: &Pose) -> Vector2<f64> {
+pub fn arm(references: &[Vector2<f64>; 2], pose: &Pose) -> Vector2<f64> {
     references[0] + pose.wheel.xy() - references[1] - pose.rail.xy()
 }
 
 /// Motion of the rail's section at the wheel's reference point, `arm` from its own.
-pub(super) fn transport(arm: &Vector2<f64>) -> Matrix3<f64> {
+pub fn transport(arm: &Vector2<f64>) -> Matrix3<f64> {
     Matrix3::new(1.0, 0.0, -arm.y, 0.0, 1.0, arm.x, 0.0, 0.0, 1.0)
 }
 

@@ -2,9 +2,9 @@
 
 use nalgebra::Matrix3;
 
-use super::held_end::HeldEnd;
-use super::law::StripStiffness;
-use super::wheel::{ElasticWheel, positive};
+use crate::held_end::HeldEnd;
+use crate::law::StripStiffness;
+use crate::wheel::{ElasticWheel, positive};
 
 /// The condensed contact element of a pair.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,7 +33,7 @@ pub struct HeadOfElement<'a> {
 
 impl HeadOfElement<'_> {
     /// Flexibility on its rail far from its ends, as it was found.
-    pub(super) fn on_rail(&self) -> Matrix3<f64> {
+    pub fn on_rail(&self) -> Matrix3<f64> {
         let of_rail = self.held_end.and_then(|end| end.places.last());
         of_rail.map_or(self.on_section, |place| place.flexibility)
     }

@@ -2,9 +2,9 @@
 
 use super::strip::{End, Strip};
 use super::taken_up::TakenUp;
-use crate::element::condensed::parts::modulus::StripLaw;
-use crate::element::condensed::parts::overlap::{Pose, Profiles, Turned};
-use crate::element::condensed::parts::relief::{Loading, Relief};
+use crate::modulus::StripLaw;
+use crate::overlap::{Pose, Profiles, Turned};
+use crate::relief::{Loading, Relief};
 use nalgebra::Vector3;
 use std::ops::Range;
 
@@ -26,8 +26,8 @@ pub(super) struct Patch {
 
 /// Two profiles with the strips between them.
 #[derive(Debug, Clone)]
-pub struct ContactStrips<'a> {
-    pub(super) profiles: Profiles<'a>,
+pub struct ContactStrips {
+    pub(super) profiles: Profiles,
     pub(super) loading: Loading,
     /// The relief that the loads made where the contacts were looked at last.
     pub(super) made: Relief,
@@ -44,9 +44,9 @@ pub struct ContactStrips<'a> {
     pub(super) taken_up: TakenUp,
 }
 
-impl<'a> ContactStrips<'a> {
+impl ContactStrips {
     /// Strips of a law between two profiles.
-    pub fn new(profiles: Profiles<'a>, law: &impl StripLaw) -> Self {
+    pub fn new(profiles: Profiles, law: &impl StripLaw) -> Self {
         let profiles = profiles.relieved(law.influence(), |s| law.modulus(s).relief);
         Self {
             taken_up: TakenUp::nothing(profiles.rail_length()),

@@ -20,5 +20,5 @@ mod places;
 mod loading;
 
 pub(super) use self::loading::{Loading, StripLoad};
-pub(super) use self::places::{Bells, ReliefPlaces};
-pub use self::places::{Influence, Relief};
+pub(super) use self::places::Bells;
+pub use self::places::{Influence, Relief, ReliefPlaces};

@@ -7,7 +7,7 @@ pub(super) const LEAST_COSINE: f64 = 0.3;
 
 /// The rail's profile in the wheel's frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in super::super) struct Turned {
+pub(crate) struct Turned {
     pub(super) turn: Rotation2<f64>,
     pub(super) by: Vector2<f64>,
     /// The wheel in the world.
@@ -16,7 +16,7 @@ pub(in super::super) struct Turned {
 
 /// One place of the rail against the wheel.
 #[derive(Debug, Clone, Copy)]
-pub(in super::super) struct Facing {
+pub(crate) struct Facing {
     /// Arc length on the wheel, m.
     pub wheel_s: f64,
     /// How far the bodies overlap along the rail's normal, m.

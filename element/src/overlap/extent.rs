@@ -12,7 +12,7 @@ const LEAST_BRACKET: f64 = 1e-12;
 /// Two contacts are one where the penetration between them is so large, over the lesser of theirs.
 const JOINED: f64 = 0.5;
 
-impl Profiles<'_> {
+impl Profiles {
     /// By how much a penetration beside a station, the highest around, can be larger than there, m: where its neighbours were seen, no more than along the tangents there if it bends
     /// at most once the other way.
     pub(super) fn above(&self, i: usize) -> f64 {
@@ -114,11 +114,7 @@ impl Profiles<'_> {
 
     /// The rule of integration over an overlap, `each` with a place of the rail and its weight, m: in parts on which the curvature of neither profile jumps by much, as
     /// it is for smooth functions. Two contacts that have just joined are integrated as two, and the more as one, the less there is between them, so that forces do not jump.
-    pub(in super::super) fn integrate(
-        &mut self,
-        overlap: &Overlap,
-        mut each: impl FnMut(&mut Self, f64, f64),
-    ) {
+    pub(crate) fn integrate(&mut self, overlap: &Overlap, mut each: impl FnMut(&mut Self, f64, f64)) {
         let [from, to] = overlap.extent;
         self.inside.clear();
         self.inside.extend(self.dips.iter().filter(|dip| dip.s > from && dip.s < to && dip.share > 0.0));

@@ -1,0 +1,14 @@
+#![doc = include_str!("../README.md")]
+
+pub mod curve;
+pub mod relief;
+pub mod modulus;
+pub mod overlap;
+pub mod strips;
+pub mod law;
+pub mod wheel;
+pub mod held_end;
+pub mod head;
+pub mod pair_element;
+pub mod contacts;
+pub mod step;
