@@ -17,7 +17,9 @@ mod export;
 mod results;
 mod pdf_args;
 mod compare;
+mod element_files;
 mod staged;
+mod element;
 mod fit;
 mod table;
 mod work;
@@ -29,6 +31,7 @@ use cache::CacheCommand;
 use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
 use compare::CompareArgs;
+use element::ElementArgs;
 use export::ExportArgs;
 use failure::exit_code;
 use fit::{FitArgs, NewArgs};
@@ -76,6 +79,8 @@ enum Command {
     Compare(CompareArgs),
     /// Write the springs for another program: columns, OpenSees, STEM, ROSE, GENSYS, CONTACT, CalculiX, Abaqus, MATLAB, Modelica, JSON
     Export(ExportArgs),
+    /// Write the contact element of a study as a file that other programs compute with: a library in C, Python, FMI
+    Element(ElementArgs),
     /// Make the springs of many pairs at many places: wheels on rails, shifts, diameters, and what else is varied. Run again, it makes only
     /// what is missing
     Table(TableArgs),
@@ -115,6 +120,7 @@ impl Command {
                 (name, study.work())
             }
             Self::Fit(args) => ("fit", args.work()),
+            Self::Element(args) => ("element", args.work()),
             Self::Table(args) => ("table", args.work()),
             Self::Compare(args) => return args.json.then_some("compare"),
             _ => return None,
@@ -173,6 +179,7 @@ fn dispatch(command: &Command) -> Result<bool, Failure> {
         Command::OfStudy(command) => staged::run(command),
         Command::Compare(args) => compare::run(args).map(|()| true),
         Command::Export(args) => export::export(args),
+        Command::Element(args) => element::run(args),
         Command::Table(args) => table::run(args),
         Command::Explain { key } => {
             let lines = explain(key.as_deref())?;

@@ -15,6 +15,7 @@ mod gensys;
 mod contact;
 mod lumped;
 mod format;
+mod element;
 mod table_rows;
 
 use std::path::Path;
@@ -33,6 +34,7 @@ use crate::results::springs::record::StiffnessRecord;
 use crate::study::Study;
 use crate::table::TableRecord;
 
+pub use element::element;
 pub use format::{Format, LawForm};
 pub use lumped::LumpedContact;
 pub use spring::ExportFile;

@@ -28,8 +28,18 @@ impl HeadAt {
         Self { share: Matrix3::identity(), flexibility, twist: Vector3::zeros() }
     }
 
+    /// Of its values along the rail.
+    pub fn of_values(values: [f64; VALUES]) -> Self {
+        let [of_y, of_both, of_z, of_turn, yy, yz, yr, zz, zr, rr, y, z, turned] = values;
+        Self {
+            share: Matrix3::new(of_y, of_both, 0.0, of_both, of_z, 0.0, 0.0, 0.0, of_turn),
+            flexibility: storing(symmetric([yy, yz, yr, zz, zr, rr])),
+            twist: Vector3::new(y, z, turned),
+        }
+    }
+
     /// Its values along the rail, as [`VALUES`].
-    fn values(&self) -> [f64; VALUES] {
+    pub fn values(&self) -> [f64; VALUES] {
         let Self { share, flexibility, twist } = self;
         let [yy, yz, yr, zz, zr, rr] = entries(flexibility);
         let [of_y, of_both, of_z, of_turn] = [(0, 0), (0, 1), (1, 1), (2, 2)].map(|at| share[at]);
@@ -85,16 +95,7 @@ impl Head {
     pub fn at(&self, x: f64) -> HeadAt {
         match self {
             Self::Same(head) => *head,
-            Self::ByDistance(length, curve) => {
-                let [of_y, of_both, of_z, of_turn, yy, yz, yr, zz, zr, rr, y, z, turned] =
-                    curve.at(x.min(length - x));
-                let share = Matrix3::new(of_y, of_both, 0.0, of_both, of_z, 0.0, 0.0, 0.0, of_turn);
-                HeadAt {
-                    share,
-                    flexibility: storing(symmetric([yy, yz, yr, zz, zr, rr])),
-                    twist: Vector3::new(y, z, turned),
-                }
-            }
+            Self::ByDistance(length, curve) => HeadAt::of_values(curve.at(x.min(length - x))),
         }
     }
 }

@@ -6,6 +6,7 @@
 
 mod kind;
 mod spline;
+mod curve_parts;
 mod curve;
 mod followed;
 mod segment;
@@ -20,6 +21,7 @@ pub mod lines_and_arcs;
 pub mod wheels;
 
 pub use curve::ProfileCurve;
+pub use curve_parts::CurveParts;
 pub(crate) use followed::Followed;
 pub use kind::ProfileKind;
 pub(crate) use segment::{EndlessLine, fillet};

@@ -30,7 +30,7 @@ fn pair() -> Pair {
     Pair::new(rail, wheel, &TrackGeometry::standard()).unwrap()
 }
 
-fn held_end(pair: &Pair, length: f64) -> HeldEnd {
+fn end_of(pair: &Pair, length: f64) -> HeldEnd {
     let meshes = pair.mesh(length, &options()).unwrap();
     let bodies: CondensedPair =
         meshes.condense(pair, PairBody::of_pair(false), STEEL, ELEMENT, &Silent).unwrap();
@@ -79,7 +79,7 @@ fn model(pair: &Pair, end: &HeldEnd, length: f64, distance: f64) -> Matrix3<f64>
 fn the_head_near_an_end_is_the_solids() {
     const MODEL: [f64; 2] = [0.06e-9, 0.04];
     let pair = pair();
-    let end = held_end(&pair, 0.555);
+    let end = end_of(&pair, 0.555);
     println!("inset {}", end.inset);
     for length in [0.555, 1.2] {
         for distance in [0.06, 0.12, 0.2, 0.2775, 0.6] {
@@ -118,7 +118,7 @@ fn a_torque_at_the_middle_turns_the_head() {
     const DISCRETISATION: f64 = 0.03;
     const TOP: f64 = -0.125;
     let (pair, length) = (pair(), 0.555);
-    let end = held_end(&pair, length);
+    let end = end_of(&pair, length);
     let rail = HeldRail::new(&pair.properties, &STEEL, length, 0.0);
     for distance in [0.06, 0.12, 0.2] {
         let ends = [distance, length - distance];

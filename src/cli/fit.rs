@@ -46,7 +46,7 @@ pub(super) struct FitArgs {
 impl FitArgs {
     /// What all commands that solve need to know.
     pub fn work(&self) -> &WorkArgs {
-        &self.run.work
+        &self.run.how.work
     }
 }
 
@@ -71,12 +71,13 @@ pub(super) fn fit(args: &FitArgs) -> Result<bool, Failure> {
     let settings = args.set.settings();
     let pair = [Given::wheel("WHEEL", &args.wheel), Given::rail("RAIL", &args.rail)];
     let Named { pair, study } = named(None, pair, settings)?;
-    if !args.run.work.quiet {
+    if !args.run.how.work.quiet {
         remark(&assumed(&study));
     }
     let text = |folder: &Path| Ok(pair.study(&folder.join(STUDY), false, settings));
     let results = Results::of("fit").of_study(&study.name);
-    done(Action::Run, results, &args.run, &study, &[(STUDY, &text)])
+    let how = (args.run.output.as_deref(), &args.run.how);
+    done(Action::Run, results, how, &study, &[(STUDY, &text)])
         .map_err(|error| by_option(Failure::of_stage(&study, error), "--set"))
 }
 

@@ -7,6 +7,7 @@ use railspring_profiles::error::{Error, InputError};
 use railspring_profiles::monitor::Monitor;
 use serde_json::json;
 
+use super::element_files::ElementFiles;
 use super::failure::Failure;
 use super::pdf_args::PdfArgs;
 use super::progress::Progress;
@@ -93,7 +94,14 @@ pub(super) struct StudyArgs {
 pub(super) struct RunArgs {
     /// Output folder; left out, out/<name of the study>
     #[arg(short, long, value_name = "DIR")]
-    output: Option<PathBuf>,
+    pub output: Option<PathBuf>,
+    #[command(flatten)]
+    pub how: HowArgs,
+}
+
+/// How a study is done.
+#[derive(Debug, Args)]
+pub(super) struct HowArgs {
     #[command(flatten)]
     pub work: WorkArgs,
     /// Print what the command would need, and stop
@@ -152,7 +160,7 @@ impl StudyCommand {
 impl StudyArgs {
     /// What all commands that solve need to know.
     pub fn work(&self) -> &WorkArgs {
-        &self.run.work
+        &self.run.how.work
     }
 }
 
@@ -168,6 +176,7 @@ pub(super) enum Action<'a> {
     Crosscheck { second_order: bool, with_calculix: bool, keep: Option<&'a Path> },
     CrosscheckInTime { keep: Option<&'a Path> },
     Deck(Format),
+    Element(&'a ElementFiles),
 }
 
 impl Action<'_> {
@@ -200,7 +209,9 @@ pub(super) fn run(command: &StudyCommand) -> Result<bool, Failure> {
     let (name, args) = command.parts();
     let study = Study::read_with(&args.study, args.set.settings())?;
     let results = Results::of(name).of_study(&study.name);
-    done(command.action(), results, &args.run, &study, &[]).map_err(|error| Failure::of_stage(&study, error))
+    let (output, how) = (args.run.output.as_deref(), &args.run.how);
+    done(command.action(), results, (output, how), &study, &[])
+        .map_err(|error| Failure::of_stage(&study, error))
 }
 
 /// Writes a file of a kind into a folder and says its path.
@@ -214,12 +225,12 @@ type WriteFile<'w> = &'w dyn Fn(&Path) -> Result<String, Error>;
 pub(super) fn done(
     action: Action<'_>,
     results: Results,
-    args: &RunArgs,
+    (output, how): (Option<&Path>, &HowArgs),
     study: &Study,
     files: &[(&str, WriteFile<'_>)],
 ) -> Result<bool, Error> {
-    let RunArgs { output, work, dry_run, fresh, pdf } = args;
-    let path = output.clone().unwrap_or_else(|| PathBuf::from("out").join(&study.name));
+    let HowArgs { work, dry_run, fresh, pdf } = how;
+    let path = output.map_or_else(|| PathBuf::from("out").join(&study.name), PathBuf::from);
     let printer = match (pdf.printer()?, action.page()) {
         (Some(_), None) => {
             let expected =
@@ -232,7 +243,8 @@ pub(super) fn done(
         return tried(action, results, work, study, &path)?.print(work.json, work.quiet).map(|()| true);
     }
     if *fresh && !action.keeps() {
-        let expected = "one of the commands `run`, `calibrate`, `simulate`, `verify` and `crosscheck`";
+        let expected =
+            "one of the commands `run`, `calibrate`, `element`, `simulate`, `verify` and `crosscheck`";
         return Err(InputError::new("--fresh", "given", expected, "leave it out").into());
     }
     let folder = if action.begins(study) { OutputFolder::create(&path)? } else { OutputFolder::open(&path)? };
@@ -272,6 +284,11 @@ pub(super) fn done(
             let record = pipeline.crosscheck_in_time(keep)?;
             (results.with_crosscheck(&record), record.holds)
         }
+        Action::Element(wanted) => {
+            let (found, laws) = pipeline.springs_with_elements()?;
+            let (said, more) = wanted.write(study, &found, &laws)?;
+            (results.with(&found).with_more(said, more), found.holds())
+        }
         Action::Run | Action::Calibrate | Action::Simulate(_) | Action::Verify | Action::Report => {
             let found = match action {
                 Action::Run => pipeline.run()?,
@@ -293,6 +310,7 @@ pub(super) fn done(
     }
     let first = match action {
         Action::Run | Action::Report => folder.file(REPORT),
+        Action::Element(wanted) => wanted.file.clone(),
         _ => path,
     };
     results.at(&first).holding(holds).print(work.json, work.quiet)?;
@@ -322,7 +340,7 @@ fn tried(
     let input = SolidsInput::of(study);
     let work = match action {
         Action::Run => Work::of(&input, true, true),
-        Action::Calibrate | Action::Deck(_) => Work::of(&input, true, false),
+        Action::Calibrate | Action::Deck(_) | Action::Element(_) => Work::of(&input, true, false),
         Action::Verify => Work::of(&input, false, true),
         Action::Mesh => Work::default(),
         Action::Crosscheck { second_order, .. } => Work::of_crosscheck(match second_order {

@@ -12,7 +12,7 @@ mod gensys;
 mod sid;
 mod simpack;
 
-pub(super) use case::LumpedCase;
+pub(super) use case::{HIGHEST, LumpedCase};
 pub(super) use exudyn::files as exudyn;
 pub(super) use gensys::files as gensys;
 pub(super) use opensees::files as opensees;

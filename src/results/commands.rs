@@ -165,6 +165,21 @@ impl<'a> StudyRun<'a> {
         Ok(Found { stiffness: Some(stiffness), ..Found::default() })
     }
 
+    /// The calibration with the laws by contact angle, for a study that wants the elements of the solids.
+    ///
+    /// # Errors
+    /// Those of the stages; [`InputError`] for a study without laws by contact angle.
+    pub fn springs_with_elements(mut self) -> Result<(Found, StiffnessByAngleRecord)> {
+        self.check_calibration()?;
+        let stiffness = self.calibration(None)?.stiffness;
+        let laws = self.by_angle(&stiffness)?.ok_or_else(|| {
+            let expected = "laws by contact angle, which the element is fitted to";
+            InputError::new("calibration.shifts_mm", "[]", expected, "leave it out, or give some shifts")
+        })?;
+        self.note_inputs()?;
+        Ok((Found { stiffness: Some(stiffness), ..Found::default() }, laws))
+    }
+
     /// The calibration; says what its law is worth, and which loads it does not have.
     fn calibration(&mut self, found: Option<FoundOn>) -> Result<Calibration> {
         let has_horizontal = self.study.simulation.horizontal.is_some();

@@ -184,6 +184,21 @@ impl Profiles {
         profiles
     }
 
+    /// Takes over what has been looked at on the same profiles in the same places, in the memory that there is.
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        let Self {
+            stations, relief, looked, travel, gap, window, outside, spans, dips, inside, panels, ..
+        } = other;
+        (self.looked, self.travel, self.gap) = (*looked, *travel, *gap);
+        (self.window, self.outside) = (*window, *outside);
+        self.stations.clone_from(stations);
+        self.relief.copy_from(relief);
+        self.spans.clone_from(spans);
+        self.dips.clone_from(dips);
+        self.inside.clone_from(inside);
+        self.panels.clone_from(panels);
+    }
+
     /// With loads that relieve others, by the weights along the rail.
     pub(crate) fn relieved(mut self, influence: Influence, weight: impl Fn(f64) -> f64) -> Self {
         self.weights = self.stations.iter().map(|station| weight(station.s)).collect();

@@ -87,7 +87,47 @@ struct Softening {
     system_transposed: Vec<f64>,
 }
 
+impl Softening {
+    /// Takes over another, in the memory that there is.
+    fn copy_from(&mut self, other: &Self) {
+        let Self { derivative, transposed, product, system, system_transposed } = other;
+        self.derivative.clone_from(derivative);
+        self.transposed.clone_from(transposed);
+        self.product.clone_from(product);
+        self.system.clone_from(system);
+        self.system_transposed.clone_from(system_transposed);
+    }
+}
+
 impl Loading {
+    /// Takes over another, in the memory that there is.
+    pub fn copy_from(&mut self, other: &Self) {
+        let Self { load, stiffness, gradients, contact, active, now, roots, lost, beside, .. } = other;
+        let Self { softening, off, step, all, halves, response, shift, before, change, softness, .. } = other;
+        (self.contact, self.softness) = (*contact, *softness);
+        self.stiffness.clone_from(stiffness);
+        self.gradients.clone_from(gradients);
+        self.active.clone_from(active);
+        self.response.clone_from(response);
+        self.softening.copy_from(softening);
+        for (own, other) in [
+            (&mut self.load, load),
+            (&mut self.now, now),
+            (&mut self.roots, roots),
+            (&mut self.lost, lost),
+            (&mut self.beside, beside),
+            (&mut self.off, off),
+            (&mut self.step, step),
+            (&mut self.all, all),
+            (&mut self.halves, halves),
+            (&mut self.shift, shift),
+            (&mut self.before, before),
+            (&mut self.change, change),
+        ] {
+            own.clone_from(other);
+        }
+    }
+
     /// None, on the places of a surface.
     pub fn clear(&mut self, places: Option<&ReliefPlaces>) {
         let count = places.map_or(0, |places| places.count);

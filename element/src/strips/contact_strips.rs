@@ -63,6 +63,20 @@ impl ContactStrips {
         }
     }
 
+    /// Takes over the state of others between the same profiles, in the memory that there is.
+    pub fn copy_from(&mut self, other: &Self) {
+        let Self { profiles, loading, made, strips, ends, patches, found, looked, motion, anew, taken_up } =
+            other;
+        self.profiles.copy_from(profiles);
+        self.loading.copy_from(loading);
+        self.made.copy_from(made);
+        self.strips.clone_from(strips);
+        self.ends.clone_from(ends);
+        self.patches.clone_from(patches);
+        self.taken_up.copy_from(taken_up);
+        (self.found, self.looked, self.motion, self.anew) = (*found, *looked, *motion, *anew);
+    }
+
     /// Motion of the wheel against the rail from where the strips were found to a pose, in the wheel's frame.
     pub(super) fn motion_to(&self, pose: &Pose) -> Vector3<f64> {
         let Some((found, place)) = &self.found else { return Vector3::zeros() };

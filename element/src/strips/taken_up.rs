@@ -45,6 +45,17 @@ impl TakenUp {
         }
     }
 
+    /// Takes over another on the same rail, in the memory that there is.
+    pub fn copy_from(&mut self, other: &Self) {
+        let Self { values, next, filled, places, density, kept, committed, way, stepped } = other;
+        self.values.clone_from(values);
+        self.next.clone_from(next);
+        self.places.clone_from(places);
+        self.filled.clone_from(filled);
+        (self.density, self.kept, self.committed) = (*density, *kept, *committed);
+        (self.way, self.stepped) = (*way, *stepped);
+    }
+
     /// Where the wheel was at the end of the last step.
     pub fn committed(&self) -> &Pose {
         &self.committed

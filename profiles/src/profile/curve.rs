@@ -2,6 +2,7 @@
 
 use nalgebra::{Point2, Rotation2, Vector2};
 
+use super::curve_parts::CurveParts;
 use super::spline::{Cubic, Piece, fit};
 use crate::error::{InputError, Result};
 use crate::quadrature::GAUSS_5_UNIT;
@@ -14,6 +15,8 @@ const SAME_POINT: f64 = 1e-7;
 const STEP_BACK: f64 = 150.0 * std::f64::consts::PI / 180.0;
 /// Turn of the tangent from which a breakpoint counts as a kink, rad (0.06°).
 const KINK: f64 = 1e-3;
+/// The largest deviation of |dp/ds| from one that parts of a curve may have.
+const LARGEST_SPEED_ERROR: f64 = 1e-4;
 /// Knot intervals in one block of the closest-point search.
 const BLOCK: usize = 32;
 
@@ -83,6 +86,30 @@ impl ProfileCurve {
             );
         }
         Ok(Self::assemble(knots, cubics, breaks))
+    }
+
+    /// From its parts, as [`ProfileCurve::parts`] has them.
+    ///
+    /// # Errors
+    /// [`InputError`] for parts that are not those of a smooth curve: numbers that are none, knots that do not ascend from 0, polynomials that do not
+    /// meet, an arc length that is not that of the curve.
+    pub fn from_parts(parts: &CurveParts) -> Result<Self> {
+        parts.check()?;
+        let CurveParts { knots, cubics, breaks } = parts;
+        let curve = Self::assemble(knots.clone(), cubics.iter().map(Cubic::of_row).collect(), breaks.clone());
+        if curve.speed_error() > LARGEST_SPEED_ERROR {
+            return Err(CurveParts::refusal("a parameter that is not the arc length").into());
+        }
+        Ok(curve)
+    }
+
+    /// The numbers that the curve consists of.
+    pub fn parts(&self) -> CurveParts {
+        CurveParts {
+            knots: self.knots.clone(),
+            cubics: self.cubics.iter().map(Cubic::row).collect(),
+            breaks: self.breaks.clone(),
+        }
     }
 
     /// Joins pieces that follow each other; each starts where the one before it ends, whatever its first point.

@@ -27,6 +27,22 @@ pub(crate) struct Cubic {
 }
 
 impl Cubic {
+    /// From a row of a file: a (y, z), b, c and d.
+    pub fn of_row(&[ay, az, by, bz, cy, cz, dy, dz]: &[f64; 8]) -> Self {
+        Self {
+            a: Point2::new(ay, az),
+            b: Vector2::new(by, bz),
+            c: Vector2::new(cy, cz),
+            d: Vector2::new(dy, dz),
+        }
+    }
+
+    /// As a row of a file.
+    pub fn row(&self) -> [f64; 8] {
+        let Self { a, b, c, d } = self;
+        [a.x, a.y, b.x, b.y, c.x, c.y, d.x, d.y]
+    }
+
     /// The cubic from `p0` to `p1` over the length `h` with the derivatives `m0` and `m1`.
     fn hermite(p0: Point2<f64>, p1: Point2<f64>, m0: Vector2<f64>, m1: Vector2<f64>, h: f64) -> Self {
         let chord = (p1 - p0) / h;

@@ -2,7 +2,7 @@
 
 use crate::time::newmark::Newmark;
 use crate::time::scenario::Scenario;
-use crate::time::steps::InnerSteps;
+use railspring_element::steps::InnerSteps;
 
 /// The scheme of the longest steps of a run: average acceleration.
 pub(super) fn longest(scenario: &Scenario) -> Newmark {

@@ -15,7 +15,7 @@ use crate::results::springs::record::StiffnessRecord;
 use crate::study::{Study, StudyScenario};
 
 /// Modes of the rail's beam up to this frequency (Hz) move; the others follow forces at once. With modes up to 3 or 40 kHz the forces of load case 4.1 are as far from those on the beam, by 0.03 % of their peaks.
-const HIGHEST: f64 = 6e3;
+pub const HIGHEST: f64 = 6e3;
 
 /// Time steps in a row of the history, for rows of half a millisecond: with half of their length the forces of load case 4.1 change by 0.1 % of their peaks (RMS) in Exudyn and by 0.2 % in OpenSees.
 const STEPS: f64 = 16.0;

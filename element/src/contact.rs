@@ -1,0 +1,349 @@
+//! The contact between rim and rail section as statics: motions in, forces and their tangent out.
+//!
+//! What follows forces at once lies in series with the strips: the rest of the rim beyond the wheel's modes, the head of the rail and what a host's rail has beyond its own modes. So the host
+//! moves the rim as hub and modes have it, and the section of its rail.
+//!
+//! A state is that at the end of the last step; what is evaluated depends on it and on the motions alone, not on what was evaluated since.
+
+use crate::contacts::Contacts;
+use crate::element::Element;
+use crate::head::{Head, HeadAt};
+use crate::overlap::Profiles;
+use crate::step::{Meeting, Side, Step, arm, transport};
+use crate::strips::ContactStrips;
+use nalgebra::{Matrix3, Matrix6, Point2, Vector3};
+use railspring_profiles::error::{Error, InputError, Result};
+use std::sync::Arc;
+
+/// What a force may be off, N: a hundred-thousandth of a usual load.
+const FORCE: f64 = 1.0;
+
+/// A contact slides where more than this share of its normal force is on strips that slide: under Hertz's pressures it is half of the force on surfaces (R.D. Mindlin, J. Appl. Mech. 16, 1949).
+pub const SLIDING: f64 = 0.2001;
+
+/// Motions at the end of a step: displacements y, z (m) and the rotation about x (rad), from where the wheel just touches.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Motions {
+    /// The rim as hub and modes have it, about the origin of the wheel's profile.
+    pub rim: Vector3<f64>,
+    /// The section of the host's rail, about its line of shear centres.
+    pub section: Vector3<f64>,
+    /// Place of the wheel along the rail, m from its first end; of no matter where the head is everywhere the same.
+    pub place: f64,
+}
+
+/// Forces y, z (N) and torques about x (N·m) at the points of the motions.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Forces {
+    /// On the rim.
+    pub rim: Vector3<f64>,
+    /// On the section of the rail.
+    pub section: Vector3<f64>,
+    /// Derivatives of both by the motions of both, rim before section; N/m, N, N·m. It is not symmetric where a contact slides.
+    pub tangent: Matrix6<f64>,
+}
+
+/// A contact, for hosts and their output.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct ContactAt {
+    /// Where its normal force acts on the rail (y, z), profile frame, m.
+    pub rail: Point2<f64>,
+    /// The same on the wheel, profile frame, m.
+    pub wheel: Point2<f64>,
+    /// Force along the normal, N.
+    pub normal_force: f64,
+    /// Friction force on the wheel a quarter of a turn from the normal one, N.
+    pub tangential_force: f64,
+    /// Whether it slides.
+    pub slides: bool,
+    /// Width along the profile, m.
+    pub width: f64,
+}
+
+/// Strips with where they meet.
+#[derive(Debug, Clone)]
+struct State {
+    strips: ContactStrips,
+    meeting: Meeting,
+}
+
+/// The contact of an element with its state.
+#[derive(Debug, Clone)]
+pub struct StaticContact {
+    element: Arc<Element>,
+    friction: f64,
+    /// What follows forces at once beyond the element's own: of the rim, and of the host's section.
+    section_rest: Matrix3<f64>,
+    /// At the end of the last step, and as evaluated since.
+    committed: State,
+    trial: State,
+    /// The head where it was evaluated.
+    head: HeadAt,
+    /// Whether something was evaluated since the last step, so that it can be taken.
+    evaluated: bool,
+    tolerance: f64,
+}
+
+impl StaticContact {
+    /// A contact that has taken up nothing yet, where all motions are zero; with a coefficient of friction.
+    ///
+    /// # Errors
+    /// [`InputError`] for a friction that is none.
+    pub fn new(element: Arc<Element>, friction: f64) -> Result<Self> {
+        if !(friction.is_finite() && (0.0..=10.0).contains(&friction)) {
+            return InputError::refuse(
+                "friction",
+                friction,
+                "a coefficient from 0 to 10",
+                "give a value of 0.1 to 0.6",
+            );
+        }
+        let profiles =
+            Profiles::new(&element.rail.curve, &element.wheel_profile, element.tape, element.node_line);
+        let strips = ContactStrips::new(profiles, &element.strips);
+        let state = State { strips, meeting: Meeting::default() };
+        let head = element.head.at(0.0);
+        Ok(Self {
+            element,
+            friction,
+            section_rest: Matrix3::zeros(),
+            trial: state.clone(),
+            committed: state,
+            head,
+            evaluated: false,
+            tolerance: FORCE,
+        })
+    }
+
+    /// The element.
+    pub fn element(&self) -> &Arc<Element> {
+        &self.element
+    }
+
+    /// Coefficient of friction.
+    pub fn friction(&self) -> f64 {
+        self.friction
+    }
+
+    /// Gives the section of the host's rail a flexibility that its motions do not have, for instance that of the modes left out: symmetric, without negative energy.
+    ///
+    /// # Errors
+    /// [`InputError`] for one that is not.
+    pub fn set_section_rest(&mut self, rest: Matrix3<f64>) -> Result<()> {
+        let scale = rest.amax();
+        let symmetric = (rest - rest.transpose()).amax() <= 1e-6 * scale;
+        let stores = rest.iter().all(|v| v.is_finite()) && (0..3).all(|i| rest[(i, i)] >= 0.0);
+        let minors = |i: usize, k: usize| rest[(i, i)] * rest[(k, k)] - rest[(i, k)].powi(2);
+        let slack = -1e-9 * scale * scale;
+        if !(symmetric && stores && minors(0, 1) >= slack && minors(0, 2) >= slack && minors(1, 2) >= slack) {
+            let (expected, remedy) = (
+                "a symmetric flexibility without negative energy",
+                "give zeros for a rail that has all of it",
+            );
+            return InputError::refuse("section_rest", format!("{:?}", rest.as_slice()), expected, remedy);
+        }
+        self.section_rest = (rest + rest.transpose()) * 0.5;
+        Ok(())
+    }
+
+    /// Begins with bodies at `motions` on which friction has taken up nothing.
+    ///
+    /// # Errors
+    /// As [`Self::evaluate`].
+    pub fn start(&mut self, motions: &Motions) -> Result<Forces> {
+        let rim = Side { free: motions.rim, flexibility: self.element.wheel.rest };
+        self.begin(rim, motions)?;
+        Ok(self.forces(&self.element.wheel.rest))
+    }
+
+    /// The same with a rim that gives way otherwise.
+    pub(crate) fn begin(&mut self, rim: Side, motions: &Motions) -> Result<()> {
+        self.check(motions)?;
+        let profiles = Profiles::new(
+            &self.element.rail.curve,
+            &self.element.wheel_profile,
+            self.element.tape,
+            self.element.node_line,
+        );
+        let fresh =
+            State { strips: ContactStrips::new(profiles, &self.element.strips), meeting: Meeting::default() };
+        (self.committed, self.evaluated) = (fresh, false);
+        let friction = std::mem::replace(&mut self.friction, 0.0);
+        let met = self.meet(rim, self.section(motions), motions.place);
+        self.friction = friction;
+        met?;
+        // from here on there is friction, which has taken up nothing yet
+        let Self { trial, element, .. } = self;
+        trial.strips.commit(0.0);
+        trial.meeting.contacts.look(&mut trial.strips, &element.strips, &trial.meeting.pose, friction);
+        self.commit();
+        Ok(())
+    }
+
+    /// The forces at the end of a step to `motions`. The state stays as it is until [`Self::commit`].
+    ///
+    /// # Errors
+    /// [`InputError`] for motions that are not finite, a place beyond the rail, and a contact at an end of a profile;
+    /// [`railspring_profiles::error::NumericsError`] where no balance is found.
+    pub fn evaluate(&mut self, motions: &Motions) -> Result<Forces> {
+        self.check(motions)?;
+        let rest = self.element.wheel.rest;
+        let rim = Side { free: motions.rim, flexibility: rest };
+        self.meet(rim, self.section(motions), motions.place)?;
+        Ok(self.forces(&rest))
+    }
+
+    /// Takes what was evaluated last as the end of a step. Without anything evaluated since the last step nothing changes.
+    pub fn commit(&mut self) {
+        if !std::mem::take(&mut self.evaluated) {
+            return;
+        }
+        self.trial.strips.commit(self.friction);
+        std::mem::swap(&mut self.committed, &mut self.trial);
+    }
+
+    /// Takes over the state of another contact of the same element at the end of its last step, in the memory that there is.
+    pub fn restore(&mut self, other: &Self) {
+        let Self { friction, section_rest, committed, head, tolerance, .. } = other;
+        self.committed.copy_from(committed);
+        (self.friction, self.section_rest, self.head) = (*friction, *section_rest, *head);
+        (self.evaluated, self.tolerance) = (false, *tolerance);
+    }
+
+    /// The contacts as evaluated last, or at the end of the last step if nothing was since, in the order of the rail's profile.
+    pub fn contacts(&self) -> impl ExactSizeIterator<Item = ContactAt> + '_ {
+        let element = &self.element;
+        self.last().meeting.contacts.list.iter().map(|contact| ContactAt {
+            rail: element.rail.to_profile(&element.rail.curve.point(contact.rail_s)),
+            wheel: element.wheel_profile.point(contact.wheel_s),
+            normal_force: contact.normal_force,
+            tangential_force: contact.tangential_force(),
+            slides: contact.sliding_share > SLIDING,
+            width: contact.extent[1] - contact.extent[0],
+        })
+    }
+
+    /// Force of the contacts on the rim as evaluated last.
+    pub(crate) fn on_rim(&self) -> Vector3<f64> {
+        self.last().meeting.contacts.all.force
+    }
+
+    fn last(&self) -> &State {
+        if self.evaluated { &self.trial } else { &self.committed }
+    }
+
+    fn check(&self, motions: &Motions) -> Result<()> {
+        let values = motions.rim.iter().chain(&motions.section).chain([&motions.place]);
+        if let Some(value) = values.clone().find(|value| !value.is_finite()) {
+            return InputError::refuse(
+                "motion",
+                value,
+                "finite displacements (m) and rotations (rad)",
+                "correct the host's motion",
+            );
+        }
+        const FAR: f64 = 10.0;
+        if let Some(value) = values.take(6).find(|value| value.abs() > FAR) {
+            return InputError::refuse(
+                "motion",
+                value,
+                "displacements (m) and rotations (rad) of a wheel that is on its rail",
+                "give metres and radians",
+            );
+        }
+        if let Head::ByDistance(length, _) = self.element.head
+            && !(0.0..=length).contains(&motions.place)
+        {
+            let expected = format!("a place from 0 to {length} m along the rail");
+            return InputError::refuse(
+                "place",
+                motions.place,
+                expected,
+                "end the run before the wheel leaves the rail",
+            );
+        }
+        Ok(())
+    }
+
+    /// The head of the rail at `motions`, as a side of the contact.
+    pub(crate) fn section(&self, motions: &Motions) -> Side {
+        let HeadAt { share, flexibility, .. } = self.element.head.at(motions.place);
+        let rest = share * self.section_rest * share.transpose();
+        Side { free: share * motions.section, flexibility: flexibility + rest }
+    }
+
+    /// Balances a rim with the head; what is found is looked at through `forces` and `contacts`.
+    pub(crate) fn meet(&mut self, rim: Side, head: Side, place: f64) -> Result<()> {
+        let Self { element, committed, trial, .. } = self;
+        trial.strips.copy_from(&committed.strips);
+        let step = Step {
+            wheel: rim,
+            rail: head,
+            law: &element.strips,
+            friction: self.friction,
+            beside: Vector3::zeros(),
+            tolerance: self.tolerance,
+            references: element.references(),
+        };
+        self.evaluated = false;
+        step.solve(&mut trial.strips, &committed.meeting, &mut trial.meeting)?;
+        let (rail, wheel) = (element.rail.curve.length(), element.wheel_profile.length());
+        let at_end = trial.meeting.contacts.list.iter().find(|contact| {
+            let on_rail = contact.extent[0] <= 0.0 || contact.extent[1] >= rail;
+            on_rail || !(contact.wheel_s > 0.0 && contact.wheel_s < wheel)
+        });
+        if let Some(contact) = at_end {
+            let at = element.rail.to_profile(&contact.point);
+            let value = format!(
+                "contact at y = {:.1} mm, z = {:.1} mm of the rail's profile",
+                1e3 * at.x,
+                1e3 * at.y
+            );
+            let error = InputError::new(
+                "motion",
+                value,
+                "contacts within both profiles",
+                "the wheel has left the profiles: end the run there",
+            );
+            return Err(Error::Input(error));
+        }
+        self.head = element.head.at(place);
+        self.evaluated = true;
+        Ok(())
+    }
+
+    /// Forces and tangent as evaluated last, of a rim with a flexibility.
+    fn forces(&self, rim: &Matrix3<f64>) -> Forces {
+        let Meeting { pose, contacts: Contacts { all, .. }, .. } = &self.last().meeting;
+        let to_wheel = transport(&arm(&self.element.references(), pose));
+        let share = self.head.share;
+        let carried = to_wheel * share;
+        let section = -carried.tr_mul(&all.force);
+        let head = self.head.flexibility + share * self.section_rest * share.transpose();
+        let both = rim + to_wheel * head * to_wheel.transpose();
+        let series = (Matrix3::identity() + all.stiffness * both).try_inverse();
+        // positive definite but for sliding; without contact there is none
+        let stiffness = series.unwrap_or_else(Matrix3::zeros) * all.stiffness;
+        let across = stiffness * carried;
+        let mut tangent = Matrix6::zeros();
+        tangent.fixed_view_mut::<3, 3>(0, 0).copy_from(&-stiffness);
+        tangent.fixed_view_mut::<3, 3>(0, 3).copy_from(&across);
+        tangent.fixed_view_mut::<3, 3>(3, 0).copy_from(&(carried.transpose() * stiffness));
+        tangent.fixed_view_mut::<3, 3>(3, 3).copy_from(&-(carried.transpose() * across));
+        Forces { rim: all.force, section, tangent }
+    }
+
+    /// The tangent of the contact alone as evaluated last, with the force on rim and section: forces of both under motions of both.
+    pub(crate) fn at_rest(&self) -> Forces {
+        self.forces(&self.element.wheel.rest)
+    }
+}
+
+impl State {
+    fn copy_from(&mut self, other: &Self) {
+        self.strips.copy_from(&other.strips);
+        self.meeting.pose = other.meeting.pose;
+        self.meeting.beside = other.meeting.beside;
+        self.meeting.contacts.copy_from(&other.meeting.contacts);
+    }
+}

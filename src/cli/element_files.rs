@@ -1,0 +1,87 @@
+//! The files of a contact element.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use railspring_element::element::Element;
+use railspring_profiles::error::{Error, InputError};
+use serde_json::Value;
+
+use crate::engine::output::OutputFolder;
+use crate::export::element;
+use crate::results::by_angle::record::StiffnessByAngleRecord;
+use crate::results::commands::Found;
+use crate::study::{ContactElementKey, Study};
+
+/// What is written of an element.
+#[derive(Debug, Args)]
+pub(super) struct ElementFiles {
+    /// The element file
+    #[arg(short = 'o', long = "output", value_name = "FILE", default_value = "pair.rse")]
+    pub file: PathBuf,
+    /// Which element
+    #[arg(long = "element", value_enum, value_name = "ELEMENT", default_value_t = Kind::Condensed)]
+    kind: Kind,
+}
+
+/// An element of the solids.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Kind {
+    /// The condensed solids: as near to them as they know themselves
+    Condensed,
+    /// Oscillators, a bushing and strips that do not see each other
+    Lumped,
+}
+
+impl ElementFiles {
+    /// Writes the files; what is said of them.
+    ///
+    /// # Errors
+    /// Those of the element, and a folder that cannot be written.
+    pub fn write(
+        &self,
+        study: &Study,
+        found: &Found,
+        laws: &StiffnessByAngleRecord,
+    ) -> Result<(Vec<String>, Value), Error> {
+        let kind = match self.kind {
+            Kind::Condensed => ContactElementKey::Condensed,
+            Kind::Lumped => ContactElementKey::Lumped,
+        };
+        let Some(stiffness) = &found.stiffness else { return Ok((Vec::new(), Value::Null)) };
+        let element = element(study, stiffness, laws, kind)?;
+        write(&self.file, &element.write())?;
+        let about = serde_json::to_value(&element.about).expect("strings and numbers are plain JSON");
+        Ok((vec![said(&element)], about))
+    }
+}
+
+/// The element in a line.
+fn said(element: &Element) -> String {
+    let about = &element.about;
+    let hub = about
+        .hub_max_rel_error
+        .map_or_else(String::new, |hub| format!(", the hub's displacement by {:.1} %", 100.0 * hub));
+    format!(
+        "{} element: {} modes of the wheel, {} places of strips, for normal forces up to {:.0} kN; contact forces are off the solids' by {:.1} % at most{hub}",
+        about.element,
+        element.wheel.modes.len(),
+        element.strips.places().len(),
+        1e-3 * about.largest_force_n,
+        100.0 * about.strips_max_rel_error
+    )
+}
+
+/// Writes a file whole or not at all.
+fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
+    let refused = |expected: &str| {
+        InputError::new("-o", path.display(), expected, "name a file in a folder that can be written")
+    };
+    let name =
+        path.file_name().and_then(|name| name.to_str()).ok_or_else(|| refused("the name of a file"))?;
+    if path.is_dir() {
+        return Err(refused("the name of a file, not a folder").into());
+    }
+    let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty());
+    OutputFolder::create(folder.unwrap_or(Path::new(".")))?.write(name, bytes)
+}
