@@ -16,6 +16,7 @@ mod contact;
 mod lumped;
 mod format;
 mod element;
+mod unit;
 mod table_rows;
 
 use std::path::Path;
@@ -39,6 +40,7 @@ pub use format::{Format, LawForm};
 pub use lumped::LumpedContact;
 pub use spring::ExportFile;
 pub use table_rows::{Condition, ExportRow, index, rows};
+pub use unit::{c_files, functional_mock_up_unit};
 
 /// What springs are read from.
 #[derive(Debug)]

@@ -11,11 +11,11 @@ use railspring::results::run::make::{self, Springs};
 use railspring::results::run::springs;
 use railspring::results::study_run::StudyRun;
 use railspring::study::Study;
-use railspring_element::steps::InnerSteps;
 use railspring_profiles::monitor::Silent;
 use railspring_simulate::element::condensed::CondensedModel;
 use railspring_simulate::time::history::{History, HistoryRow};
 use railspring_simulate::time::scenario::Scenario;
+use railspring_simulate::time::steps::InnerSteps;
 
 /// The studies with their load cases, and the times up to which the solid's motion is determined there, s, where it has the load case; the study of the published size has the cases of the first two.
 type Cases = &'static [(&'static str, f64)];

@@ -46,8 +46,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
 }
 
-fn row(time: f64, section: &Vector3<f64>) {
-    println!("{time},{},{}", section.y, section.x);
+fn row(time: f64, rim: &Vector3<f64>) {
+    println!("{time},{},{}", -rim.y, -rim.x);
 }
 
 /// Newmark's scheme with average acceleration over hub (y, z), suspended mass, wheel's modes and rail's modes, and Newton's method for the contact.
@@ -103,7 +103,7 @@ fn contact(element: &Arc<Element>, rail: &RailModes, steps: usize) -> Result<(),
     let start = contact.start(&motions(&x))?;
     let force = outside(0.0) + carried.tr_mul(&both(&start.rim, &start.section));
     let mut a = mass.clone().cholesky().ok_or("a mass")?.solve(&force);
-    row(0.0, &start.section);
+    row(0.0, &start.rim);
     let (mut evaluations, begun) = (0, std::time::Instant::now());
     for step in 1..=ROWS * steps {
         let time = step as f64 * h;
@@ -137,7 +137,7 @@ fn contact(element: &Arc<Element>, rail: &RailModes, steps: usize) -> Result<(),
         x = end;
         contact.commit();
         if step % steps == 0 {
-            row(time, &forces.section);
+            row(time, &forces.rim);
         }
     }
     let taken = begun.elapsed().as_secs_f64() / (ROWS * steps) as f64;
@@ -184,7 +184,7 @@ fn unit(element: &Arc<Element>, rail: &RailModes, steps: usize) -> Result<(), Bo
         };
     let forces = unit.start(&host(&x, &v), false)?;
     let mut a = accelerations(0.0, &x, &v, &forces);
-    row(0.0, &forces.section);
+    row(0.0, &forces.rim);
     let begun = std::time::Instant::now();
     for step in 1..=ROWS * steps {
         let time = step as f64 * h;
@@ -196,7 +196,7 @@ fn unit(element: &Arc<Element>, rail: &RailModes, steps: usize) -> Result<(), Bo
         v += (&a + &after) * (0.5 * h);
         a = after;
         if step % steps == 0 {
-            row(time, &forces.section);
+            row(time, &forces.rim);
         }
     }
     eprintln!("{:.1} us a step", 1e6 * begun.elapsed().as_secs_f64() / (ROWS * steps) as f64);

@@ -1,6 +1,6 @@
 //! What a contact element is: profiles, strips, wheel and head of a pair, with what is known of its worth.
 
-use crate::head::Head;
+use crate::head::{Head, HeadAt};
 use crate::law::StripStiffness;
 use crate::wheel::ElasticWheel;
 use nalgebra::{DMatrix, Matrix3, Point2, Vector2, Vector3};
@@ -8,6 +8,9 @@ use railspring_profiles::placement::PlacedRail;
 use railspring_profiles::profile::ProfileCurve;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+
+/// The place of a wheel on a rail that is not the study's: its head is as far from any held end.
+pub const OTHER_RAIL: f64 = -1.0;
 
 /// The contact element of a wheel on a rail. It never changes; instances share it ([`crate::contact::StaticContact`], [`crate::unit::Unit`]).
 #[derive(Debug, Clone, PartialEq)]
@@ -26,8 +29,10 @@ pub struct Element {
     pub wheel: ElasticWheel,
     /// Damping of the wheel's modes over their stiffness, s.
     pub damping: f64,
-    /// The head along the rail.
+    /// The head along the study's rail.
     pub head: Head,
+    /// Flexibility of the head against its section, about the line of shear centres, for rails that are not the study's.
+    pub head_on_section: Matrix3<f64>,
     /// The contact.
     pub strips: StripStiffness,
     /// Coefficient of friction of the study.
@@ -98,6 +103,11 @@ impl Element {
     /// World positions of the reference points of wheel and rail at rest, m.
     pub fn references(&self) -> [Vector2<f64>; 2] {
         [self.tape.coords, self.node_line.coords]
+    }
+
+    /// The head of the study's rail at a place, m from its first end, or that of another rail.
+    pub fn head_at(&self, place: f64) -> HeadAt {
+        if place == OTHER_RAIL { HeadAt::on_section(self.head_on_section) } else { self.head.at(place) }
     }
 
     /// The wheel as a superelement.

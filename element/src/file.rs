@@ -92,6 +92,7 @@ impl Element {
                 [*rail_s, modulus.normal, modulus.hardening, modulus.tangential, modulus.relief]
             })),
         );
+        put("head.on_section", square(&self.head_on_section));
         put("wheel.mass", square(&self.wheel.mass));
         put("wheel.rest", square(&self.wheel.rest));
         put(
@@ -239,6 +240,7 @@ impl Element {
             wheel,
             damping: head.wheel_damping_s,
             head: of_head,
+            head_on_section: file.square("head.on_section")?,
             strips: StripStiffness::new(
                 strips.into_iter().map(strip).collect(),
                 Influence { flexibility: head.relief_m2_per_n },
@@ -275,11 +277,22 @@ impl Element {
             let symmetric = (m - m.transpose()).amax() <= 1e-9 * m.amax();
             symmetric && (0..3).all(|i| m[(i, i)] >= 0.0)
         };
+        let heads: Vec<[f64; VALUES]> = match &self.head {
+            Head::Same(head) => vec![head.values()],
+            Head::ByDistance(_, curve) => curve.places().iter().map(|(_, values)| *values).collect(),
+        };
+        // shares and flexibilities on their own motions
+        if !heads.iter().all(|values| [0, 2, 3, 4, 7, 9].iter().all(|i| values[*i] >= 0.0)) {
+            return Err("a head that does not resist".into());
+        }
         let mass = self.superelement().mass;
         if mass.clone().cholesky().is_none() {
             return Err("a wheel whose mass is not positive".into());
         }
         let moves = self.wheel.modes.iter().all(|mode| mode.square > 0.0);
+        if !positive(&self.head_on_section) {
+            return Err("a head that does not resist".into());
+        }
         if !(positive(&self.wheel.rest) && moves && self.damping >= 0.0) {
             return Err("a wheel that does not resist".into());
         }

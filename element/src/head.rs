@@ -91,6 +91,14 @@ impl Head {
         Self::ByDistance(length, Curve::new(places.iter().map(|(at, head)| (*at, head.values())).collect()))
     }
 
+    /// Length of a rail with held ends, m.
+    pub fn length(&self) -> Option<f64> {
+        match self {
+            Self::Same(_) => None,
+            Self::ByDistance(length, _) => Some(*length),
+        }
+    }
+
     /// The head at a place, m from the first end.
     pub fn at(&self, x: f64) -> HeadAt {
         match self {

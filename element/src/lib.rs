@@ -10,11 +10,15 @@ pub mod wheel;
 pub mod held_end;
 pub mod head;
 pub mod pair_element;
+pub mod outline;
 pub mod contacts;
 pub mod step;
-pub mod steps;
 pub mod element;
 pub mod file;
 pub mod contact;
 mod modal;
 pub mod unit;
+pub mod variables;
+
+#[cfg(test)]
+mod tests;

@@ -11,7 +11,9 @@
 //! A step is exact for a right-hand side that is linear in time: N.C. Nigam, P.C. Jennings, "Calculation of response spectra from strong-motion earthquake records", Bull. Seism. Soc. Am. 59 (1969).
 
 use crate::wheel::{ElasticWheel, RimMode};
-use nalgebra::{Matrix3, Matrix4, Vector3};
+use std::ops::{AddAssign, SubAssign};
+
+use nalgebra::{DMatrix, Matrix3, Matrix4, Matrix6, Vector3};
 
 /// The modes of a wheel, for steps.
 #[derive(Debug, Clone)]
@@ -120,11 +122,36 @@ impl Modes {
         self.of_hub.tr_mul(force) + of_modes
     }
 
-    /// Derivatives of [`Self::on_hub`] without a force on the rim by the hub's displacement and velocity.
-    pub fn hub_stiffness(&self) -> [Matrix3<f64>; 2] {
-        let of = |mode: &RimMode| mode.coupling * mode.coupling.transpose() * -mode.square;
-        let stiffness: Matrix3<f64> = self.modes.iter().map(of).sum();
-        [stiffness, stiffness * self.damping]
+    /// Derivatives of the forces on hub and section and of the modes' accelerations (rows) by the hub's displacements and velocities, the section's displacements, and the modes' displacements and
+    /// velocities (columns), with the `tangent` of the contact by motions of rim and section.
+    pub fn jacobian(&self, tangent: &Matrix6<f64>) -> DMatrix<f64> {
+        let count = self.modes.len();
+        // motions of rim and section under all columns
+        let mut carried = DMatrix::zeros(6, 9 + 2 * count);
+        carried.view_mut((0, 0), (3, 3)).copy_from(&self.of_hub);
+        carried.view_mut((3, 6), (3, 3)).copy_from(&Matrix3::identity());
+        for (i, mode) in self.modes.iter().enumerate() {
+            carried.view_mut((0, 9 + i), (3, 1)).copy_from(&mode.rim);
+        }
+        let forces = tangent * carried;
+        let mut jacobian = DMatrix::zeros(6 + count, 9 + 2 * count);
+        jacobian.rows_mut(0, 3).copy_from(&(self.of_hub.transpose() * forces.rows(0, 3)));
+        jacobian.rows_mut(3, 3).copy_from(&forces.rows(3, 3));
+        for (i, mode) in self.modes.iter().enumerate() {
+            jacobian.row_mut(6 + i).copy_from(&(mode.rim.transpose() * forces.rows(0, 3)));
+            let damping = self.damping * mode.square;
+            for (factor, of_hub, of_mode) in [(mode.square, 0, 9 + i), (damping, 3, 9 + count + i)] {
+                jacobian[(6 + i, of_mode)] -= factor;
+                for k in 0..3 {
+                    jacobian[(6 + i, of_hub + k)] += factor * mode.coupling[k];
+                    jacobian[(k, of_mode)] += factor * mode.coupling[k];
+                    for l in 0..3 {
+                        jacobian[(k, of_hub + l)] -= factor * mode.coupling[k] * mode.coupling[l];
+                    }
+                }
+            }
+        }
+        jacobian
     }
 
     /// Prepares steps of one length, s.
@@ -162,6 +189,33 @@ impl Modes {
         let flexibility =
             both.map(|(mode, over)| mode.rim * mode.rim.transpose() * over.displacement[3]).sum();
         PreparedModes { modes, flexibility }
+    }
+
+    /// Derivatives of the forces on hub and section by displacements of both at the end of a step, with the `tangent` of a contact whose rim gives way as over the step.
+    pub fn tangent(&self, prepared: &PreparedModes, tangent: &Matrix6<f64>) -> Matrix6<f64> {
+        // motion of the modes, and with them of the rim, under that of the hub
+        let of_hub = |mode: &RimMode, over: &OverStep| mode.coupling * (over.displacement[3] * mode.square);
+        let both = || self.modes.iter().zip(&prepared.modes);
+        let moved =
+            both().fold(self.of_hub, |sum, (mode, over)| sum + mode.rim * of_hub(mode, over).transpose());
+        let mut carried = Matrix6::identity();
+        carried.fixed_view_mut::<3, 3>(0, 0).copy_from(&moved);
+        let forces = tangent * carried;
+        let on_rim = forces.fixed_rows::<3>(0).into_owned();
+        let mut all = forces;
+        let mut on_hub = self.of_hub.transpose() * on_rim;
+        for (mode, over) in both() {
+            let damping = self.damping * mode.square;
+            let [of_p, of_v] = [over.displacement[3], over.velocity[3]];
+            // of what drives the mode
+            let mut driven = on_rim.tr_mul(&mode.rim);
+            driven.fixed_rows_mut::<3>(0).add_assign(&(mode.coupling * mode.square));
+            let mut off = driven * (mode.square * of_p + damping * of_v);
+            off.fixed_rows_mut::<3>(0).sub_assign(&(mode.coupling * mode.square));
+            on_hub += mode.coupling * off.transpose();
+        }
+        all.fixed_view_mut::<3, 6>(0, 0).copy_from(&on_hub);
+        all
     }
 
     /// Motion of the rim at the end of a step without a force on it there; `hubs` at start and end, `force` at the start.

@@ -6,20 +6,25 @@ use crate::contact::{ContactAt, Motions, StaticContact};
 use crate::element::Element;
 use crate::modal::{Modes, PreparedModes};
 use crate::step::Side;
-use crate::steps::{InnerSteps, StepControl, StepSequence};
-use nalgebra::{Matrix3, Matrix6, Vector3};
+use nalgebra::{DMatrix, Matrix3, Matrix6, Vector3};
 use railspring_profiles::error::{Error, InputError, Result};
 use std::sync::Arc;
 
 pub use crate::modal::Motion;
 
-/// The longest and the shortest steps, s, and the tolerance of their forces: those of the condensed element in a study with rows of 0.5 ms.
+/// The longest and the shortest steps, s, and the largest deviation of the force at the end of one from the straight line through its last two values, of the largest force: those of the condensed element in a study with rows of 0.5 ms.
 const LONGEST: f64 = 62.5e-6;
 const SHORTEST: f64 = 3.9e-6;
 const TOLERANCE: f64 = 0.01;
 
+/// Steps become longer only where the deviation stays below the tolerance by as much.
+const MARGIN: f64 = 1.5;
+
 /// A force that a contact usually has, N: the tolerance is of this at least.
 const USUAL: f64 = 60e3;
+
+/// A step that finds no balance is halved at most so many times.
+const MOST_HALVINGS: usize = 6;
 
 /// The longest step of a host, s.
 pub const LONGEST_OF_HOST: f64 = 0.1;
@@ -31,7 +36,7 @@ pub struct Host {
     pub hub: Motion,
     /// The section of the rail, about its line of shear centres.
     pub section: Motion,
-    /// Place of the wheel along the rail, m from its first end.
+    /// Place of the wheel along the study's rail, m from its first end, or [`crate::element::OTHER_RAIL`].
     pub place: f64,
 }
 
@@ -40,8 +45,21 @@ pub struct Host {
 pub struct HostForces {
     /// Of the wheel on its hub.
     pub hub: Vector3<f64>,
-    /// Of the wheel on the section of the rail: `Q` and `P` are its first two.
+    /// Of the wheel on the section of the rail; near a held end less than on the head.
     pub section: Vector3<f64>,
+    /// On the rim, about the origin of the wheel's profile: minus Q and P are its first two.
+    pub rim: Vector3<f64>,
+}
+
+impl Host {
+    /// The motions at a share of the way to others that are `length` s later.
+    fn towards(&self, end: &Self, length: f64, share: f64) -> Self {
+        Self {
+            hub: self.hub.towards(&end.hub, length, share),
+            section: self.section.towards(&end.section, length, share),
+            place: self.place + share * (end.place - self.place),
+        }
+    }
 }
 
 /// The state between two steps but for the contact's.
@@ -49,9 +67,12 @@ pub struct HostForces {
 struct Between {
     host: Host,
     modes: Vec<[f64; 2]>,
-    /// Force on the rim.
+    /// Force on the rim, and its change over the last inner step, N/s.
     rim: Vector3<f64>,
-    sequence: Option<StepSequence>,
+    rate: Vector3<f64>,
+    /// The largest force so far, N, and the longest inner step that the next step of the host may have, s.
+    largest: f64,
+    inner: f64,
 }
 
 /// An element with its modes and its state.
@@ -61,9 +82,10 @@ pub struct Unit {
     modes: Modes,
     committed: Between,
     trial: Between,
-    /// The host's step for which lengths are prepared, s, and these by their halvings.
-    step: f64,
-    lengths: Vec<PreparedModes>,
+    /// Lengths of inner steps that are prepared, s.
+    lengths: Vec<(f64, PreparedModes)>,
+    /// The last inner step, s.
+    last: f64,
     /// The contact at the last one of the inner steps of a step that is under way, if it has several.
     inner: StaticContact,
     evaluated: bool,
@@ -87,15 +109,22 @@ impl Unit {
         let contact = StaticContact::new(element, friction)?;
         let mut at = Vec::new();
         modes.at_rest(&Motion::default(), &mut at);
-        let between = Between { host: Host::default(), modes: at, rim: Vector3::zeros(), sequence: None };
+        let between = Between {
+            host: Host::default(),
+            modes: at,
+            rim: Vector3::zeros(),
+            rate: Vector3::zeros(),
+            largest: USUAL,
+            inner: SHORTEST,
+        };
         Ok(Self {
             inner: contact.clone(),
             contact,
             modes,
             trial: between.clone(),
             committed: between,
-            step: f64::NAN,
             lengths: Vec::new(),
+            last: f64::NAN,
             evaluated: false,
         })
     }
@@ -107,8 +136,7 @@ impl Unit {
 
     /// Mass of the host's hub about its centre: that of the whole wheel but for what moves in its modes; kg, kg·m, kg·m².
     pub fn hub_mass(&self) -> Matrix3<f64> {
-        let wheel = &self.element().wheel;
-        wheel.modes.iter().fold(wheel.mass, |mass, mode| mass - mode.coupling * mode.coupling.transpose())
+        self.element().wheel.mass_beside_modes()
     }
 
     /// As [`StaticContact::set_section_rest`].
@@ -133,12 +161,13 @@ impl Unit {
         };
         self.contact.begin(rim, &motions(host, rim.free))?;
         let force = self.contact.on_rim();
-        let Between { host: at, modes, rim, sequence } = &mut self.committed;
+        let Between { host: at, modes, rim, rate, largest, inner } = &mut self.committed;
         match bent {
             true => self.modes.bent(&host.hub, &force, modes),
             false => self.modes.at_rest(&host.hub, modes),
         }
-        (*at, *rim, *sequence, self.evaluated) = (*host, force, None, false);
+        (*at, *rim, *rate, self.evaluated) = (*host, force, Vector3::zeros(), false);
+        (*largest, *inner) = (USUAL.max(force.xy().norm()), SHORTEST);
         self.instant(host)
     }
 
@@ -148,80 +177,89 @@ impl Unit {
     /// As [`StaticContact::evaluate`]; [`InputError`] for a length out of range.
     pub fn advance(&mut self, length: f64, end: &Host) -> Result<HostForces> {
         check(end)?;
+        self.contact.check(&motions(end, end.hub.displacement))?;
         if !(length > 0.0 && length <= LONGEST_OF_HOST) {
             let expected = format!("a step of more than 0 and at most {LONGEST_OF_HOST} s");
             return InputError::refuse("step", length, expected, "take shorter steps");
         }
         self.evaluated = false;
-        let steps = InnerSteps::Adaptive(control(length));
-        if length != self.step {
-            (self.step, self.committed.sequence) = (length, None);
-            self.lengths.clear();
-        }
         let Self { committed, trial, .. } = self;
         trial.modes.clone_from(&committed.modes);
-        (trial.host, trial.rim) = (committed.host, committed.rim);
-        let mut sequence = committed.sequence.clone().unwrap_or_else(|| {
-            let mut sequence = StepSequence::new(steps, USUAL);
-            sequence.begin(committed.rim.xy().as_slice(), &[]);
-            sequence
-        });
-        let first = sequence.ticks();
-        let most = steps.most();
+        (trial.host, trial.rim, trial.rate) = (committed.host, committed.rim, committed.rate);
+        (trial.largest, trial.inner) = (committed.largest, committed.inner);
         self.inner.restore(&self.contact);
-        while sequence.ticks() < first + most {
-            self.inner_step(&mut sequence, [length, (first) as f64], most, end)?;
+        // how many there are depends on the end of the last step alone, so that forces go on with the motions
+        let mut count = ((length / committed.inner).ceil().max(1.0) as usize).next_power_of_two();
+        let start = committed.host;
+        let (mut taken, mut halvings) = (0, 0);
+        while taken < count {
+            let share = (taken + 1) as f64 / count as f64;
+            let to = if taken + 1 == count { *end } else { start.towards(end, length, share) };
+            match self.inner_step(length / count as f64, &to) {
+                Err(Error::Numerics(_)) if halvings < MOST_HALVINGS => {
+                    (count, taken, halvings) = (2 * count, 2 * taken, halvings + 1);
+                }
+                stepped => {
+                    stepped?;
+                    taken += 1;
+                }
+            }
         }
-        self.trial.sequence = Some(sequence);
-        self.trial.host = *end;
         self.evaluated = true;
         Ok(self.forces(end, &self.trial))
     }
 
-    /// The next of the inner steps to the end of the host's, taken by the contact `inner` and the state `trial`.
-    fn inner_step(
-        &mut self,
-        sequence: &mut StepSequence,
-        [length, first]: [f64; 2],
-        most: usize,
-        end: &Host,
-    ) -> Result<()> {
-        loop {
-            let level = sequence.level();
-            while self.lengths.len() <= level {
-                let [longest, _] = InnerSteps::Adaptive(control(length)).lengths(length);
-                let step = longest * 0.5_f64.powi(self.lengths.len() as i32);
-                self.lengths.push(self.modes.prepare(step));
+    /// The next of the inner steps, of a `length` (s) to the motions `to`, taken by the contact `inner` and the state `trial`; sees how long the next ones may be.
+    fn inner_step(&mut self, length: f64, to: &Host) -> Result<()> {
+        let at = self.prepared(length);
+        self.last = length;
+        let Self { trial, modes, lengths, inner, .. } = self;
+        let prepared = &lengths[at].1;
+        let from = trial.host;
+        let hubs = [&from.hub, &to.hub];
+        let free = modes.free(prepared, &trial.modes, hubs, &trial.rim);
+        let flexibility = prepared.flexibility + inner.element().wheel.rest;
+        let head = inner.section(&motions(to, free));
+        inner.meet(Side { free, flexibility }, head, to.place)?;
+        let force = inner.on_rim();
+        modes.finish(prepared, &mut trial.modes, hubs, [&trial.rim, &force]);
+        inner.commit();
+        trial.largest = trial.largest.max(force.xy().norm());
+        let off = (force - trial.rim - trial.rate * length).xy().norm() / (TOLERANCE * trial.largest);
+        // it falls with the square of the length
+        trial.inner = if off > 1.0 {
+            (length * 0.5_f64.powf((0.5 * off.log2()).ceil())).clamp(SHORTEST, LONGEST)
+        } else if 4.0 * MARGIN * off < 1.0 {
+            (2.0 * length).clamp(trial.inner.min(LONGEST), LONGEST)
+        } else {
+            trial.inner.min(length.max(SHORTEST))
+        };
+        (trial.rate, trial.rim, trial.host) = ((force - trial.rim) / length, force, *to);
+        Ok(())
+    }
+
+    /// The number of a prepared length, s. A host with steps of many lengths has the oldest ones made again.
+    fn prepared(&mut self, length: f64) -> usize {
+        const ROOM: usize = 16;
+        if let Some(at) = self.lengths.iter().position(|(of, _)| *of == length) {
+            return at;
+        }
+        if self.lengths.len() == ROOM {
+            self.lengths.remove(0);
+        }
+        self.lengths.push((length, self.modes.prepare(length)));
+        self.lengths.len() - 1
+    }
+
+    /// Derivatives of the forces on hub and section that [`Self::advance`] found last by the displacements of both at the end of its step; N/m, N, N·m. They are those of its last inner step, which has
+    /// all of the change where there is one, and not by the velocities.
+    pub fn tangent(&self) -> Matrix6<f64> {
+        let of_contact = if self.evaluated { &self.inner } else { &self.contact };
+        match self.lengths.iter().find(|(length, _)| *length == self.last) {
+            Some((_, prepared)) => {
+                self.modes.tangent(prepared, &of_contact.of_rim(&prepared.flexibility).tangent)
             }
-            let prepared = &self.lengths[level];
-            let share = (sequence.end() as f64 - first) / most as f64;
-            let (start, from) = (&self.committed.host, self.trial.host);
-            let to = match share < 1.0 {
-                true => Host {
-                    hub: start.hub.towards(&end.hub, length, share),
-                    section: start.section.towards(&end.section, length, share),
-                    place: start.place + share * (end.place - start.place),
-                },
-                false => *end,
-            };
-            let hubs = [&from.hub, &to.hub];
-            let free = self.modes.free(prepared, &self.trial.modes, hubs, &self.trial.rim);
-            let flexibility = prepared.flexibility + self.element().wheel.rest;
-            let at = motions(&to, free);
-            let head = self.inner.section(&at);
-            match self.inner.meet(Side { free, flexibility }, head, to.place) {
-                Err(Error::Numerics(_)) if sequence.shorten() => continue,
-                met => met?,
-            }
-            let force = self.inner.on_rim();
-            if !sequence.accept(force.xy().as_slice(), &[], 0.0) {
-                continue;
-            }
-            let trial = &mut self.trial;
-            self.modes.finish(prepared, &mut trial.modes, hubs, [&trial.rim, &force]);
-            (trial.host, trial.rim) = (to, force);
-            self.inner.commit();
-            return Ok(());
+            None => Matrix6::zeros(),
         }
     }
 
@@ -237,14 +275,10 @@ impl Unit {
     pub fn restore(&mut self, other: &Self) {
         self.contact.restore(&other.contact);
         self.inner.restore(&other.contact);
-        let Between { host, modes, rim, sequence } = &other.committed;
+        let Between { host, modes, rim, rate, largest, inner } = &other.committed;
         self.committed.modes.clone_from(modes);
-        self.committed.sequence.clone_from(sequence);
-        (self.committed.host, self.committed.rim) = (*host, *rim);
-        if self.step != other.step {
-            self.step = other.step;
-            self.lengths.clone_from(&other.lengths);
-        }
+        (self.committed.host, self.committed.rim, self.committed.rate) = (*host, *rim, *rate);
+        (self.committed.largest, self.committed.inner) = (*largest, *inner);
         self.evaluated = false;
     }
 
@@ -256,7 +290,7 @@ impl Unit {
     fn forces(&self, host: &Host, at: &Between) -> HostForces {
         let hub = self.modes.on_hub(&host.hub, &at.modes, &at.rim);
         let of_contact = if self.evaluated { &self.inner } else { &self.contact };
-        HostForces { hub, section: of_contact.at_rest().section }
+        HostForces { hub, section: of_contact.of_rim(&Matrix3::zeros()).section, rim: at.rim }
     }
 }
 
@@ -296,12 +330,13 @@ impl Unit {
     /// As [`StaticContact::evaluate`].
     pub fn instant(&mut self, host: &Host) -> Result<HostForces> {
         check(host)?;
+        self.contact.check(&motions(host, host.hub.displacement))?;
         self.evaluated = false;
         let rim = self.modes.rim(&host.hub, &self.committed.modes);
         let forces = self.contact.evaluate(&motions(host, rim))?;
         self.committed.rim = forces.rim;
         let hub = self.modes.on_hub(&host.hub, &self.committed.modes, &forces.rim);
-        Ok(HostForces { hub, section: forces.section })
+        Ok(HostForces { hub, section: forces.section, rim: forces.rim })
     }
 
     /// Accelerations of the modes after [`Self::instant`] with the same host.
@@ -309,31 +344,23 @@ impl Unit {
         self.modes.accelerations(&host.hub, &self.committed.modes, &self.committed.rim, into);
     }
 
-    /// Derivatives of the forces on hub and section, after [`Self::instant`] or at the end of the last step: by displacements of both, and of the force on the hub by its velocity.
-    pub fn derivatives(&self) -> (Matrix6<f64>, Matrix3<f64>) {
+    /// Derivatives after [`Self::instant`], or at the end of the last step: rows are the forces on hub and section and the modes' accelerations; columns the hub's displacements and velocities, the section's
+    /// displacements, and the modes' displacements and velocities.
+    pub fn jacobian(&self) -> DMatrix<f64> {
         let of_contact = if self.evaluated { &self.inner } else { &self.contact };
-        let tangent = of_contact.at_rest().tangent;
-        let mut of_host = Matrix6::identity();
-        of_host.fixed_view_mut::<3, 3>(0, 0).copy_from(&self.modes.of_hub);
-        let mut tangent = of_host.transpose() * tangent * of_host;
-        let [stiffness, damping] = self.modes.hub_stiffness();
-        let mut of_hub = tangent.fixed_view_mut::<3, 3>(0, 0);
-        of_hub += stiffness;
-        (tangent, damping)
+        self.modes.jacobian(&of_contact.of_rim(&Matrix3::zeros()).tangent)
+    }
+
+    /// Has the host where it turned out to be at the end of the last step.
+    pub fn set_host(&mut self, host: &Host) {
+        self.committed.host = *host;
     }
 
     /// Takes the contact as [`Self::instant`] had it as the end of a step of friction, with the host there.
     pub fn commit_instant(&mut self, host: &Host) {
         self.contact.commit();
-        (self.committed.host, self.committed.sequence) = (*host, None);
+        self.committed.host = *host;
     }
-}
-
-/// Steps within one of a host's, of a length (s).
-fn control(length: f64) -> StepControl {
-    let parts = |longest: f64| ((length / longest).ceil().max(1.0) as usize).next_power_of_two();
-    let least = parts(LONGEST);
-    StepControl { least, most: parts(SHORTEST).max(least), tolerance: TOLERANCE }
 }
 
 fn motions(host: &Host, rim: Vector3<f64>) -> Motions {

@@ -34,6 +34,11 @@ impl ElasticWheel {
         self.modes.iter().fold(self.rest, |sum, mode| sum + mode.flexibility())
     }
 
+    /// What of its mass does not move in the modes, between the motions of the hub.
+    pub fn mass_beside_modes(&self) -> Matrix3<f64> {
+        self.modes.iter().fold(self.mass, |mass, mode| mass - mode.coupling * mode.coupling.transpose())
+    }
+
     /// Motion of the rim's section under unit motions of the hub.
     pub fn carried_by_hub(&self) -> Matrix3<f64> {
         let mut carried = Matrix3::identity();

@@ -12,7 +12,6 @@ use railspring_calibrate::pair::{
 use railspring_calibrate::solid::{Formulation, Material, Materials};
 use railspring_calibrate::superelement::CondensedBody;
 use railspring_element::pair_element::PairElement;
-use railspring_element::steps::{InnerSteps, StepControl};
 use railspring_profiles::monitor::Silent;
 use railspring_profiles::placement::TrackGeometry;
 use railspring_profiles::section::{rail_section, wheel_section};
@@ -21,6 +20,7 @@ use railspring_simulate::element::condensed::{CondensedModel, fitted_element};
 use railspring_simulate::solid::{ModeCount, TransientModel};
 use railspring_simulate::time::history::{History, HistoryRow};
 use railspring_simulate::time::scenario::{HarmonicForce, Kelvin, Scenario};
+use railspring_simulate::time::steps::{InnerSteps, StepControl};
 
 const LENGTH: f64 = 0.555;
 const MODES: usize = 64;

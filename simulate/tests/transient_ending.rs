@@ -6,7 +6,6 @@ use railspring_calibrate::calibration::{ContactField, Enforcement};
 use railspring_calibrate::contact::Surface;
 use railspring_calibrate::mesh::{MeshOptions, mesh_rail, mesh_wheel};
 use railspring_calibrate::solid::{Formulation, Material, Materials};
-use railspring_element::steps::InnerSteps;
 use railspring_profiles::monitor::Silent;
 use railspring_profiles::placement::Departure;
 use railspring_profiles::placement::{TrackGeometry, place_rail, touch};
@@ -14,6 +13,7 @@ use railspring_profiles::section::{rail_section, wheel_section};
 use railspring_simulate::solid::{SolidBodies, TransientModel};
 use railspring_simulate::time::history::{Ending, History, HistoryRow, SurfaceEnd};
 use railspring_simulate::time::scenario::{HarmonicForce, Kelvin, Scenario};
+use railspring_simulate::time::steps::InnerSteps;
 
 /// A wheel at rest, just touching, without a suspended mass, under constant forces (N; to the field side, and down).
 fn scenario(lateral: f64, vertical: f64, steps: usize, time_step: f64) -> Scenario {

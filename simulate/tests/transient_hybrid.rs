@@ -6,7 +6,6 @@ use railspring_calibrate::mesh::MeshOptions;
 use railspring_calibrate::pair::{Pair, PairBody, PairMeshes};
 use railspring_calibrate::solid::{Formulation, Material, Materials};
 use railspring_calibrate::superelement::CondensedBody;
-use railspring_element::steps::{InnerSteps, StepControl};
 use railspring_profiles::error::Error;
 use railspring_profiles::monitor::Silent;
 use railspring_profiles::placement::TrackGeometry;
@@ -14,6 +13,7 @@ use railspring_profiles::section::{rail_section, wheel_section};
 use railspring_simulate::solid::{ModeCount, START_MODES, TransientModel, TransientRun};
 use railspring_simulate::time::history::{History, HistoryRow};
 use railspring_simulate::time::scenario::{HarmonicForce, Kelvin, Scenario};
+use railspring_simulate::time::steps::{InnerSteps, StepControl};
 
 fn pair() -> Pair {
     let (rail, wheel) = (rail_section("60E1"), wheel_section("S1002", 0.858));

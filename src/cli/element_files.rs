@@ -8,7 +8,7 @@ use railspring_profiles::error::{Error, InputError};
 use serde_json::Value;
 
 use crate::engine::output::OutputFolder;
-use crate::export::element;
+use crate::export::{c_files, element, functional_mock_up_unit};
 use crate::results::by_angle::record::StiffnessByAngleRecord;
 use crate::results::commands::Found;
 use crate::study::{ContactElementKey, Study};
@@ -19,6 +19,12 @@ pub(super) struct ElementFiles {
     /// The element file
     #[arg(short = 'o', long = "output", value_name = "FILE", default_value = "pair.rse")]
     pub file: PathBuf,
+    /// Write a functional mock-up unit of FMI 3.0 as well, for co-simulation and model exchange on this platform
+    #[arg(long, value_name = "FILE")]
+    fmu: Option<PathBuf>,
+    /// Write the shared library with its header for C as well, into a folder
+    #[arg(long = "c", value_name = "DIR")]
+    c: Option<PathBuf>,
     /// Which element
     #[arg(long = "element", value_enum, value_name = "ELEMENT", default_value_t = Kind::Condensed)]
     kind: Kind,
@@ -50,9 +56,21 @@ impl ElementFiles {
         };
         let Some(stiffness) = &found.stiffness else { return Ok((Vec::new(), Value::Null)) };
         let element = element(study, stiffness, laws, kind)?;
-        write(&self.file, &element.write())?;
+        let mut said = vec![said(&element)];
+        write("-o", &self.file, &element.write())?;
+        if let Some(file) = &self.fmu {
+            write("--fmu", file, &functional_mock_up_unit(&element)?)?;
+            said.push(format!("functional mock-up unit: {}", file.display()));
+        }
+        if let Some(folder) = &self.c {
+            for (name, content) in c_files()? {
+                let file = folder.join(name);
+                write("--c", &file, content)?;
+                said.push(format!("C interface: {}", file.display()));
+            }
+        }
         let about = serde_json::to_value(&element.about).expect("strings and numbers are plain JSON");
-        Ok((vec![said(&element)], about))
+        Ok((said, about))
     }
 }
 
@@ -73,9 +91,9 @@ fn said(element: &Element) -> String {
 }
 
 /// Writes a file whole or not at all.
-fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
+fn write(option: &str, path: &Path, bytes: &[u8]) -> Result<(), Error> {
     let refused = |expected: &str| {
-        InputError::new("-o", path.display(), expected, "name a file in a folder that can be written")
+        InputError::new(option, path.display(), expected, "name a file in a folder that can be written")
     };
     let name =
         path.file_name().and_then(|name| name.to_str()).ok_or_else(|| refused("the name of a file"))?;

@@ -1,9 +1,9 @@
 //! What a study computes of its pair, in SI units: contact, laws, the simple model and the load cases.
 
-use railspring_element::steps::InnerSteps;
 use railspring_simulate::element::condensed::CondensedModel;
 use railspring_simulate::element::published::MovingModel;
 use railspring_simulate::time::scenario::Scenario;
+use railspring_simulate::time::steps::InnerSteps;
 use serde::Serialize;
 
 use super::document::{

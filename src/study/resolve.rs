@@ -7,11 +7,11 @@ use std::collections::BTreeMap;
 
 use bodies::{rail, wheel};
 use railspring_calibrate::mesh::MeshOptions;
-use railspring_element::steps::InnerSteps;
 use railspring_profiles::error::InputError;
 use railspring_profiles::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE, TONNE};
 use railspring_simulate::solid::RailPath;
 use railspring_simulate::time::scenario::{HarmonicForce, Kelvin, Scenario};
+use railspring_simulate::time::steps::InnerSteps;
 use serde_json::Value;
 
 use super::analysis::{CalibrationSettings, ContactSettings, SimulationSettings, StudyScenario};

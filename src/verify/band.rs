@@ -68,8 +68,8 @@ impl Band {
 
 #[cfg(test)]
 mod tests {
-    use railspring_element::steps::InnerSteps;
     use railspring_simulate::time::history::{Ending, History};
+    use railspring_simulate::time::steps::InnerSteps;
 
     use super::*;
     use crate::verify::Spread;

@@ -1,7 +1,7 @@
 //! What a run is worth: how far it changes with steps of another length.
 
-use railspring_element::steps::InnerSteps;
 use railspring_simulate::time::history::History;
+use railspring_simulate::time::steps::InnerSteps;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -18,13 +18,13 @@ use railspring::study::{ContactElementKey, Study};
 use railspring_calibrate::beam::RailBeam;
 use railspring_calibrate::law::StiffnessLaw;
 use railspring_element::pair_element::PairElement;
-use railspring_element::steps::InnerSteps;
 use railspring_profiles::error::{InputError, Result};
 use railspring_profiles::monitor::{Monitor, Silent};
 use railspring_simulate::cases::{self, GRAVITY};
 use railspring_simulate::element::condensed::CondensedModel;
 use railspring_simulate::element::published::{MovingModel, MovingRun, WheelSprings};
 use railspring_simulate::time::scenario::Scenario;
+use railspring_simulate::time::steps::InnerSteps;
 use record::{PeerTime, StepTime};
 
 pub use record::StepTimesRecord;

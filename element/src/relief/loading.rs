@@ -151,16 +151,21 @@ impl Loading {
         [self.contact, self.gradients.len()]
     }
 
-    /// Adds a strip; those of a contact by ascending arc length.
+    /// Adds a strip of a contact.
     pub fn add(&mut self, bells: &Bells, strip: &StripLoad) {
         if self.load.is_empty() {
             return;
         }
         let Bells { first, value } = *bells;
-        let start = self.gradients.get(self.contact).map_or(first, |gradient| gradient.place);
+        let none = |place| Gradient { place, normal: Vector3::zeros(), friction: Vector3::zeros() };
+        let mut start = self.gradients.get(self.contact).map_or(first, |gradient| gradient.place);
+        // a contact that is integrated as two and as one begins twice
+        while first < start {
+            start -= 1;
+            self.gradients.insert(self.contact, none(start));
+        }
         while self.gradients.len() - self.contact < first - start + WIDTH {
-            let place = start + self.gradients.len() - self.contact;
-            self.gradients.push(Gradient { place, normal: Vector3::zeros(), friction: Vector3::zeros() });
+            self.gradients.push(none(start + self.gradients.len() - self.contact));
         }
         let offset = self.contact + first - start;
         for (k, b) in value.iter().enumerate() {

@@ -12,7 +12,8 @@ impl ContactStrips {
     /// A step ends where the contacts have been looked at last: what friction has taken up there stays with the places of the rail.
     pub fn commit(&mut self, coefficient: f64) {
         if coefficient == 0.0 {
-            self.taken_up.committed = self.looked;
+            // friction that begins here has no way behind it
+            (self.taken_up.committed, self.taken_up.kept) = (self.looked, self.looked);
             return;
         }
         let way = |from: &Pose| self.profiles.motion_between(from, &self.looked).xy().norm();

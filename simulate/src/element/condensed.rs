@@ -6,7 +6,7 @@
 //! is fitted to runs in time.
 //!
 //! A step is average acceleration of the rail and of the wheel's rigid motions, and Newmark's with a smaller `β` of its modes, with the forces of the contacts at its ends. Steps are as long as the forces
-//! allow ([`railspring_element::steps`]), and cut where contacts begin and end. What a step makes of the energy of the normal forces, whose work it takes for that of a straight line, is given back
+//! allow ([`crate::time::steps`]), and cut where contacts begin and end. What a step makes of the energy of the normal forces, whose work it takes for that of a straight line, is given back
 //! in the next ones by a share of them: a wheel that bounces for 10,000 steps of 0.5 ms has the same energy to 0.1 %.
 
 pub mod parts;

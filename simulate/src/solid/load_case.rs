@@ -2,7 +2,7 @@
 
 use crate::time::newmark::Newmark;
 use crate::time::scenario::Scenario;
-use railspring_element::steps::InnerSteps;
+use crate::time::steps::InnerSteps;
 
 /// The scheme of the longest steps of a run: average acceleration.
 pub(super) fn longest(scenario: &Scenario) -> Newmark {

@@ -9,9 +9,9 @@ use super::transient_run::{OtherRun, Reduction, TransientRun};
 use crate::time::history::{Ending, History, HistoryRow};
 use crate::time::newmark::Newmark;
 use crate::time::scenario::Scenario;
+use crate::time::steps::InnerSteps;
 use crate::time::suspension::Suspension;
 use nalgebra::Vector2;
-use railspring_element::steps::InnerSteps;
 use railspring_profiles::error::{NumericsError, Result, StopReason, or_reason};
 use railspring_profiles::monitor::Monitor;
 

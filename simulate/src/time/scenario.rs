@@ -5,7 +5,7 @@
 use serde::Serialize;
 use std::f64::consts::TAU;
 
-use railspring_element::steps::InnerSteps;
+use crate::time::steps::InnerSteps;
 use railspring_profiles::error::InputError;
 use railspring_profiles::field::InputField;
 use railspring_profiles::units::TONNE;

@@ -108,7 +108,7 @@ impl Suspension {
 mod tests {
     use super::*;
     use crate::time::scenario::{HarmonicForce, Kelvin};
-    use railspring_element::steps::InnerSteps;
+    use crate::time::steps::InnerSteps;
 
     const QUIET: HarmonicForce = HarmonicForce { constant: 0.0, amplitude: 0.0, frequency: 0.0, phase: 0.0 };
 

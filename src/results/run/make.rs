@@ -6,7 +6,6 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use railspring_calibrate::beam::{BeamCorrection, RailBeam};
 use railspring_calibrate::law::NormalLaw;
 use railspring_element::pair_element::PairElement;
-use railspring_element::steps::InnerSteps;
 use railspring_profiles::error::{Error, Result, StopReason, or_reason};
 use railspring_profiles::monitor::Monitor;
 use railspring_simulate::element::condensed::CondensedModel;
@@ -14,6 +13,7 @@ use railspring_simulate::element::published::{MovingModel, SlidingMatrix, WheelS
 use railspring_simulate::solid::{ModeCount, OtherRun, START_MODES, TransientModel, TransientRun};
 use railspring_simulate::time::history::History;
 use railspring_simulate::time::scenario::Scenario;
+use railspring_simulate::time::steps::InnerSteps;
 
 use crate::results::bodies::geometry::Geometry;
 use crate::results::bodies::input::SolidRunInput;

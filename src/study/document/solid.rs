@@ -1,7 +1,7 @@
 //! The section `solid`.
 
-use railspring_element::steps::{InnerSteps, StepControl};
 use railspring_profiles::field::InputField;
+use railspring_simulate::time::steps::{InnerSteps, StepControl};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -2,9 +2,9 @@
 
 use std::f64::consts::{PI, TAU};
 
-use railspring_element::steps::InnerSteps;
 use railspring_profiles::placement::Departure;
 use railspring_simulate::time::scenario::{HarmonicForce, Scenario};
+use railspring_simulate::time::steps::InnerSteps;
 
 use super::super::signals::Separation;
 use super::*;

@@ -8,11 +8,11 @@ use railspring::study::Study;
 use railspring_calibrate::calibration::{Reference, load_points, press_loads};
 use railspring_calibrate::pair::{PairBody, PairSolids};
 use railspring_calibrate::superelement::{CondensedBody, FactorSize, Step};
-use railspring_element::steps::InnerSteps;
 use railspring_profiles::error::{Error, Result};
 use railspring_profiles::monitor::Monitor;
 use railspring_simulate::solid::{ModeCount, TransientModel};
 use railspring_simulate::time::scenario::{HarmonicForce, Scenario};
+use railspring_simulate::time::steps::InnerSteps;
 
 use super::clock::Clock;
 use super::record::{ScalingBody, ScalingSize, ScalingStage};

@@ -6,8 +6,8 @@ use nalgebra::Point2;
 
 use crate::time::history::{Ending, History};
 use crate::time::scenario::Scenario;
+use crate::time::steps::StepSequence;
 use railspring_element::overlap::Profiles;
-use railspring_element::steps::StepSequence;
 use railspring_element::strips::ContactStrips;
 use railspring_profiles::error::{Error, Result};
 use railspring_profiles::monitor::Monitor;

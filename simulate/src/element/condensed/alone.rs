@@ -2,6 +2,7 @@
 
 use railspring_calibrate::beam::SectionModes;
 use railspring_element::element::{About, Element, RailMode, RailModes};
+use railspring_element::wheel::positive;
 use railspring_profiles::error::Result;
 
 use super::model::CondensedModel;
@@ -30,6 +31,7 @@ impl CondensedModel {
             wheel: self.element.wheel.clone(),
             damping: self.damping,
             head: self.head(),
+            head_on_section: positive(self.element.head),
             strips: self.element.strips.clone(),
             friction,
             rail_at_wheel,

@@ -4,11 +4,11 @@ use nalgebra::{Matrix3, Point2};
 
 use crate::axle::axle_stiffness;
 use crate::time::scenario::Scenario;
+use crate::time::steps::{InnerSteps, StepControl};
 use railspring_calibrate::beam::{End, HeldRail, RailBeam};
 use railspring_calibrate::pair::Pair;
 use railspring_calibrate::solid::Material;
 use railspring_element::pair_element::PairElement;
-use railspring_element::steps::{InnerSteps, StepControl};
 use railspring_profiles::error::Result;
 use railspring_profiles::placement::PlacedRail;
 use railspring_profiles::profile::ProfileCurve;

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use nalgebra::{Matrix3, Point2, Rotation2, Vector2, Vector3};
+use nalgebra::{Matrix3, Point2, Vector2, Vector3};
 
 use crate::time::energy::{EnergyBalance, EnergyLedger, PartEnergy};
 use crate::time::history::{ContactMode, ContactState, Ending, HistoryRow};
@@ -13,12 +13,13 @@ use railspring_calibrate::beam::RailBeam;
 use railspring_element::overlap::Pose;
 use railspring_element::strips::{Contact, ContactStrips};
 use railspring_profiles::error::{NumericsError, Result, StopReason};
-use railspring_profiles::placement::{departure, lateral_extent};
+use railspring_profiles::placement::departure;
 
 use super::model::CondensedModel;
 use super::wheel::{self, Free, Wheel, WheelState};
 use crate::element::published::{Rail, RailDynamics, RailState, SectionMotion, Travel, at_end};
 use railspring_element::head::{Head, HeadAt};
+use railspring_element::outline::Outline;
 use railspring_element::step::{Meeting, Side, Step, arm, transport};
 
 /// What a force may be off at the end of a step, N: a ten-thousandth of a usual load.
@@ -50,35 +51,6 @@ pub(super) struct State {
     owed: f64,
     /// Velocity of the wheel against the rail in the step to here.
     velocity: Vector3<f64>,
-}
-
-/// Points of a running surface from its reference point, m.
-struct Outline {
-    points: Vec<Point2<f64>>,
-    /// Its ends to either side as it is.
-    level: [f64; 2],
-    /// Distance of the farthest point.
-    reach: f64,
-}
-
-impl Outline {
-    fn new(points: Vec<Point2<f64>>) -> Self {
-        let reach = points.iter().map(|p| p.coords.norm()).fold(0.0, f64::max);
-        Self { level: lateral_extent(points.iter().copied()), reach, points }
-    }
-
-    /// Its ends to either side where it is turned (rad) and at a place (m).
-    fn extent(&self, turn: f64, place: f64) -> [f64; 2] {
-        let turn = Rotation2::new(turn);
-        lateral_extent(self.points.iter().map(|p| turn * p)).map(|y| y + place)
-    }
-
-    /// Whether both are over each other however their turns (rad) have moved their ends; a turn moves a point by no more than its angle times its distance.
-    fn is_over(&self, other: &Self, turns: [f64; 2], places: [f64; 2]) -> bool {
-        let slack = turns[0].abs() * self.reach + turns[1].abs() * other.reach;
-        let aside = places[0] - places[1];
-        self.level[0] + aside + slack < other.level[1] && self.level[1] + aside - slack > other.level[0]
-    }
 }
 
 /// Everything that stays the same during a run.

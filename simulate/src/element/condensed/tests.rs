@@ -4,6 +4,7 @@ use nalgebra::{Matrix3, Point2, Vector2, Vector3};
 
 use crate::time::history::{ContactMode, Ending, HistoryRow};
 use crate::time::scenario::{HarmonicForce, Kelvin, Scenario};
+use crate::time::steps::{InnerSteps, StepControl};
 use railspring_calibrate::analytic::drop::drop;
 use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::pair::Pair;
@@ -11,7 +12,6 @@ use railspring_element::law::{StripPlace, StripStiffness};
 use railspring_element::modulus::StripModulus;
 use railspring_element::pair_element::PairElement;
 use railspring_element::relief::Influence;
-use railspring_element::steps::{InnerSteps, StepControl};
 use railspring_element::wheel::{ElasticWheel, RimMode};
 use railspring_profiles::monitor::Silent;
 use railspring_profiles::placement::{PlacedRail, TrackGeometry};

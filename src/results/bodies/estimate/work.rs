@@ -1,6 +1,6 @@
 //! What a command is going to do with the solids.
 
-use railspring_element::steps::InnerSteps;
+use railspring_simulate::time::steps::InnerSteps;
 
 use crate::python::Purpose;
 use crate::results::bodies::input::SolidsInput;

@@ -3,13 +3,13 @@
 use std::time::Instant;
 
 use railspring_calibrate::calibration::{ContactField, Enforcement};
-use railspring_element::steps::InnerSteps;
 use railspring_profiles::error::{InputError, Result};
 use railspring_profiles::field::InputField;
 use railspring_profiles::monitor::Monitor;
 use railspring_simulate::solid::TransientModel;
 use railspring_simulate::time::history::{Ending, History};
 use railspring_simulate::time::scenario::Scenario;
+use railspring_simulate::time::steps::InnerSteps;
 
 use super::input::InTimeInput;
 use crate::results::bodies::geometry::Geometry;

@@ -4,7 +4,7 @@ use nalgebra::Point2;
 
 use crate::time::history::{Ending, SurfaceEnd};
 use crate::time::scenario::{HarmonicForce, Scenario};
-use railspring_element::steps::InnerSteps;
+use crate::time::steps::InnerSteps;
 use railspring_profiles::monitor::Silent;
 use railspring_profiles::placement::Departure;
 use railspring_profiles::profile::ProfileCurve;

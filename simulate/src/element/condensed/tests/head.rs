@@ -3,11 +3,11 @@
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
 use crate::time::scenario::{HarmonicForce, Scenario};
+use crate::time::steps::InnerSteps;
 use railspring_calibrate::beam::{BeamCorrection, HeldRail, RailBeam};
 use railspring_calibrate::pair::Pair;
 use railspring_calibrate::solid::Material;
 use railspring_element::held_end::{EndPlace, HeldEnd, in_world};
-use railspring_element::steps::InnerSteps;
 use railspring_profiles::monitor::Silent;
 use railspring_profiles::placement::TrackGeometry;
 use railspring_profiles::section::{rail_section, wheel_section};

@@ -7,8 +7,8 @@ use rayon::prelude::*;
 
 use crate::time::history::Ending;
 use crate::time::scenario::{HarmonicForce, Kelvin, Scenario};
+use crate::time::steps::InnerSteps;
 use railspring_calibrate::pair::Pair;
-use railspring_element::steps::InnerSteps;
 use railspring_profiles::error::Error;
 use railspring_profiles::monitor::Silent;
 use railspring_profiles::placement::TrackGeometry;

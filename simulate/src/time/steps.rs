@@ -235,28 +235,28 @@ const MARGIN: f64 = 1.5;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::time::newmark::{Motion, Newmark};
 
     /// A mass of 1 kg and a spring without tension of `stiffness` (N/m), which the mass meets with 1 m/s at 0.3 of the first time step, in
     /// `rows` time steps of `dt` (s): speed at the end (m/s), largest force (N), steps taken and tried.
     fn strike(stiffness: f64, steps: InnerSteps, (rows, dt): (usize, f64)) -> (f64, f64, usize, usize) {
         let mut sequence = StepSequence::new(steps, 0.0);
         let [_, shortest] = steps.lengths(dt);
-        let [mut u, mut v, mut a] = [-0.3 * dt, 1.0, 0.0];
+        let mut m = Motion { u: -0.3 * dt, v: 1.0, a: 0.0 };
         let (mut peak, mut taken, mut tried): (f64, usize, usize) = (0.0, 0, 0);
         while sequence.ticks() < rows * steps.most() {
-            // average acceleration
-            let h = (sequence.end() - sequence.ticks()) as f64 * shortest;
-            let free = u + h * (v + 0.25 * h * a);
-            let reached = if free > 0.0 { free / (1.0 + 0.25 * h * h * stiffness) } else { free };
-            let force = stiffness * reached.max(0.0);
+            let scheme = Newmark::new((sequence.end() - sequence.ticks()) as f64 * shortest, 0.0);
+            let free = scheme.inertia(&m) / scheme.acceleration;
+            let u = if free > 0.0 { scheme.inertia(&m) / (scheme.acceleration + stiffness) } else { free };
+            let force = stiffness * u.max(0.0);
             tried += 1;
             if sequence.accept(&[force], &[], 0.0) {
-                (u, v, a) = (reached, v + 0.5 * h * (a - force), -force);
+                m = scheme.advance(&m, u);
                 peak = peak.max(force);
                 taken += 1;
             }
         }
-        (v, peak, taken, tried)
+        (m.v, peak, taken, tried)
     }
 
     /// Source: a mass that strikes a spring, F = v·√(k·m)·sin(ωt) for half a period, and flies back with its speed. Goal: largest force

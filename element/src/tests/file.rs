@@ -1,0 +1,58 @@
+//! The element as a file.
+
+use super::element;
+use crate::element::Element;
+
+/// Goal: what is written is read again to the last bit, and the same element gives the same bytes. Exact.
+#[test]
+fn a_file_is_the_element() {
+    let element = element();
+    let bytes = element.write();
+    let read = Element::read(&bytes).unwrap();
+    assert!(read.rail == element.rail && read.wheel_profile == element.wheel_profile);
+    assert!(read.wheel == element.wheel && read.head == element.head && read.about == element.about);
+    assert!(read.strips == element.strips && read.rail_at_wheel == element.rail_at_wheel);
+    assert!(read == element);
+    assert!(read.write() == bytes);
+}
+
+/// The bytes of a file whose text of the head is changed; as long as before.
+fn changed(bytes: &[u8], from: &str, to: &str) -> Vec<u8> {
+    let found = bytes.windows(from.len()).position(|window| window == from.as_bytes());
+    let mut bytes = bytes.to_vec();
+    bytes.splice(found.unwrap_or_else(|| panic!("{from}")).., []);
+    let whole = element().write();
+    let rest = &whole[bytes.len() + from.len()..];
+    bytes.extend_from_slice(to.as_bytes());
+    bytes.extend_from_slice(rest);
+    bytes
+}
+
+/// Goal: files of another layout, cut short, or with values that no element has are refused with what is wrong and a remedy; none panics.
+#[test]
+fn files_of_no_element_are_refused() {
+    let bytes = element().write();
+    let said = |bytes: &[u8]| Element::read(bytes).unwrap_err().to_string();
+    let other = said(&changed(&bytes, "railspring element 1", "railspring element 9"));
+    assert!(other.contains("`railspring element 9`") && other.contains("`railspring element`"), "{other}");
+    for length in [0, 7, 100, bytes.len() / 2, bytes.len() - 1] {
+        assert!(said(&bytes[..length]).contains("layout"), "{length}");
+    }
+    for (from, to, wanted) in [
+        ("wheel_damping_s", "wheel_damping_x", "unknown field"),
+        ("\\\"friction\\\":0.4", "\\\"friction\\\":999", "friction"),
+    ] {
+        let message = said(&changed(&bytes, from, to));
+        assert!(message.contains(wanted), "{message}");
+    }
+    let wrong = |change: &dyn Fn(&mut Element)| {
+        let mut element = element();
+        change(&mut element);
+        said(&element.write())
+    };
+    assert!(wrong(&|e| e.wheel.mass[(1, 1)] = -1.0).contains("mass is not positive"));
+    assert!(wrong(&|e| e.wheel.modes[0].square = 0.0).contains("wheel that does not resist"));
+    assert!(wrong(&|e| e.wheel.rest[(0, 0)] = f64::NAN).contains("wheel.rest with the value NaN"));
+    assert!(wrong(&|e| e.strips.influence.flexibility = -1.0).contains("relief"));
+    assert!(wrong(&|e| e.tape.x = 1e6).contains("out of range"));
+}
