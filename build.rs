@@ -81,6 +81,8 @@ fn c_library() {
     println!("cargo::rustc-cfg=c_library");
     println!("cargo::rustc-env=RAILSPRING_C_LIBRARY={}", path.display());
     println!("cargo::rustc-env=RAILSPRING_C_SUFFIX={suffix}");
+    let header = manifest.with_file_name("include").join("railspring.h");
+    println!("cargo::rustc-env=RAILSPRING_C_HEADER={}", header.display());
 }
 
 /// A variable that cargo sets.

@@ -30,9 +30,13 @@ fn the_package_goes_with_the_program() {
     let manifest = text("Cargo.toml");
     let version = format!("\nversion = \"{}\"\n", env!("CARGO_PKG_VERSION"));
     assert!(manifest.contains(&version), "{manifest}");
-    let (module, stubs) = (text("src/lib.rs"), text("src/railspring/_law.pyi"));
-    let exported = module.split("use super::{").nth(1).unwrap().split('}').next().unwrap();
-    for name in exported.split(',').map(str::trim) {
+    let stubs = text("src/railspring/_native.pyi");
+    let module = [text("src/lib.rs"), text("src/element.rs")].concat();
+    let lists =
+        module.split("use super::").skip(1).filter_map(|rest| rest.split_once('{')?.1.split_once('}'));
+    let exported: Vec<&str> = lists.flat_map(|(names, _)| names.split(',')).map(str::trim).collect();
+    assert!(exported.len() > 6, "{exported:?}");
+    for name in exported {
         let stub = [format!("class {name}:"), format!("def {name}(")];
         assert!(stub.iter().any(|stub| stubs.contains(stub)), "{name} has no stub");
         assert!(

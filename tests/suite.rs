@@ -11,6 +11,7 @@ mod command_line;
 mod compare;
 mod condensed_element;
 mod crates;
+mod element_alone;
 mod ends;
 mod environment;
 mod error_band;

@@ -1,4 +1,7 @@
-//! `railspring._law`: the laws of the library for Python, in N, m and N/m, for numbers and for arrays of any shape.
+//! `railspring._native`: the laws of the library for Python, in N, m and N/m, for numbers and for arrays of any shape, and its contact element.
+
+mod element;
+
 
 use numpy::ndarray::ArrayD;
 use numpy::{AllowTypeChange, IntoPyArray, PyArrayLikeDyn, PyReadonlyArray1};
@@ -162,7 +165,9 @@ fn fit_law(forces: PyReadonlyArray1<'_, f64>, tangents: PyReadonlyArray1<'_, f64
 }
 
 #[pymodule]
-mod _law {
+mod _native {
+    #[pymodule_export]
+    use super::element::{Contact, Element, Unit};
     #[pymodule_export]
     use super::{Law, LawFit, TableLaw, fit_law};
 }

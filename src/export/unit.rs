@@ -8,17 +8,24 @@ use railspring_profiles::error::{InputError, Result};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
-/// The header of the library.
-const HEADER: &str = include_str!("../../element/c/include/railspring.h");
+/// The library of this platform.
+struct Library {
+    content: &'static [u8],
+    /// How its name ends.
+    suffix: &'static str,
+    header: &'static [u8],
+}
 
-/// The library of this platform, and how its name ends.
 #[cfg(c_library)]
-const LIBRARY: Option<(&[u8], &str)> =
-    Some((include_bytes!(env!("RAILSPRING_C_LIBRARY")), env!("RAILSPRING_C_SUFFIX")));
+const LIBRARY: Option<Library> = Some(Library {
+    content: include_bytes!(env!("RAILSPRING_C_LIBRARY")),
+    suffix: env!("RAILSPRING_C_SUFFIX"),
+    header: include_bytes!(env!("RAILSPRING_C_HEADER")),
+});
 #[cfg(not(c_library))]
-const LIBRARY: Option<(&[u8], &str)> = None;
+const LIBRARY: Option<Library> = None;
 
-fn library(option: &str) -> Result<(&'static [u8], &'static str)> {
+fn library(option: &str) -> Result<Library> {
     LIBRARY.ok_or_else(|| {
         let expected = "a program that was built with the sources of the library";
         InputError::new(option, "given", expected, "install railspring from its repository").into()
@@ -30,9 +37,9 @@ fn library(option: &str) -> Result<(&'static [u8], &'static str)> {
 /// # Errors
 /// [`InputError`] for a program that was built without the library.
 pub fn c_files() -> Result<[(String, &'static [u8]); 2]> {
-    let (library, suffix) = library("--c")?;
+    let Library { content, suffix, header } = library("--c")?;
     let start = if suffix == ".dll" { "" } else { "lib" };
-    Ok([("railspring.h".into(), HEADER.as_bytes()), (format!("{start}{MODEL}{suffix}"), library)])
+    Ok([("railspring.h".into(), header), (format!("{start}{MODEL}{suffix}"), content)])
 }
 
 /// An element as a functional mock-up unit of FMI 3.0 for this platform. The same element gives the same bytes.
@@ -43,7 +50,7 @@ pub fn c_files() -> Result<[(String, &'static [u8]); 2]> {
 /// # Panics
 /// Never: a file in memory takes what is written.
 pub fn functional_mock_up_unit(element: &Element) -> Result<Vec<u8>> {
-    let (library, suffix) = library("--fmu")?;
+    let Library { content: library, suffix, .. } = library("--fmu")?;
     let system = match std::env::consts::OS {
         "macos" => "darwin",
         other => other,

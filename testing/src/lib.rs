@@ -19,7 +19,7 @@ use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
 pub use place::{Place, copy, message, said};
-pub use programs::{exudyn, locked, opensees, stem, stem_with_kratos};
+pub use programs::{exudyn, fmpy, locked, opensees, stem, stem_with_kratos};
 pub use random::Random;
 
 /// What a test can go without.
@@ -37,6 +37,10 @@ pub enum Need {
     Stem,
     /// Python packages from the index.
     Packages,
+    /// A C compiler.
+    Compiler,
+    /// A Fortran compiler, for some of its tests; the others are done.
+    Fortran,
     /// A file system of a given size, which fills up.
     SmallDisk,
     /// The faster solver of the reference, for some of its tests; the others are done.
@@ -53,8 +57,9 @@ impl Need {
             Self::OpenSees => "opensees",
             Self::Stem => "stem",
             Self::Packages => "packages",
+            Self::Compiler => "compiler",
             Self::SmallDisk => "small disk",
-            Self::Solver => "in part",
+            Self::Solver | Self::Fortran => "in part",
         }
     }
 }

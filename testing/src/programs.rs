@@ -44,6 +44,11 @@ pub fn locked(cache: &Path, name: &str, lock: &str) -> Option<PathBuf> {
     needs(Need::Packages, name, interpreter.is_some()).then_some(interpreter).flatten()
 }
 
+/// As [`opensees`], with FMPy, in an environment of its own.
+pub fn fmpy(cache: &Path) -> Option<PathBuf> {
+    locked(cache, "fmpy", include_str!("../requirements-fmpy.lock"))
+}
+
 fn with(cache: &Path, probe: &str, need: Need, item: &str) -> Option<PathBuf> {
     static MADE: OnceLock<Option<PathBuf>> = OnceLock::new();
     if !python() {

@@ -1,15 +1,17 @@
 """Contact springs of railway wheels and rails: what railspring makes, as arrays and data frames.
 
 Results are read with `Study.read`, `Calibration.read`, `Table.read` and `read_history`; `fit`, `calibrate`, `run` and `make_table` have the program make them. A `Law`
-is evaluated by the library itself. Lengths, forces and stiffness of laws are in m, N and N/m; columns and keys of files have their units in their names.
+is evaluated by the library itself, and so is an `Element`, the contact of a pair for programs with an integration of their own. Lengths, forces and stiffness of laws are in m, N and N/m; columns and keys of files have their units in their names.
 """
 
-from ._law import Law, LawFit, TableLaw, fit_law
-from .program import ProgramError, calibrate, fit, make_table, run
+from ._native import Contact, Element, Law, LawFit, TableLaw, Unit, fit_law
+from .program import ProgramError, calibrate, element, fit, make_table, run
 from .results import Calibration, History, Study, Table, averaged_ratio, read_history
 
 __all__ = [
     "Calibration",
+    "Contact",
+    "Element",
     "History",
     "Law",
     "LawFit",
@@ -17,8 +19,10 @@ __all__ = [
     "Study",
     "Table",
     "TableLaw",
+    "Unit",
     "averaged_ratio",
     "calibrate",
+    "element",
     "fit",
     "fit_law",
     "make_table",

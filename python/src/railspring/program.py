@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from ._native import Element
 from .results import AnyPath, Calibration, Study, Table
 
 
@@ -86,6 +87,25 @@ def calibrate(
     """The springs of a study."""
     _started(["calibrate", _study(study), "-o", os.fspath(output)], program, keys, cache)
     return Calibration.read(output)
+
+
+def element(
+    study: Study | AnyPath,
+    output: AnyPath,
+    *,
+    results: AnyPath | None = None,
+    fmu: AnyPath | None = None,
+    keys: Mapping[str, Any] | None = None,
+    cache: AnyPath | None = None,
+    program: AnyPath | None = None,
+) -> Element:
+    """The contact element of a study, which is left in the file `output`; `results` is the folder of its springs, `fmu` a file for a functional mock-up unit."""
+    arguments = ["element", _study(study), "-o", os.fspath(output)]
+    for option, path in [("--results", results), ("--fmu", fmu)]:
+        if path is not None:
+            arguments += [option, os.fspath(path)]
+    _started(arguments, program, keys, cache)
+    return Element(output)
 
 
 def run(

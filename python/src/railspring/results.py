@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from ._law import Law, TableLaw
+from ._native import Law, TableLaw
 
 AnyPath = str | PathLike[str]
 

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use nalgebra::{Matrix3, Point2, Vector2, Vector3};
+use nalgebra::{Matrix3, Vector2, Vector3};
 
 use crate::time::energy::{EnergyBalance, EnergyLedger, PartEnergy};
 use crate::time::history::{ContactMode, ContactState, Ending, HistoryRow};

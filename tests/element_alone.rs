@@ -1,0 +1,290 @@
+//! The contact element in foreign programs: the commands and files of `railspring element`, a host in C, user routines with mock drivers, FMPy, Exudyn.
+//!
+//! Source: hosts with an integration of their own (`element/c/examples`, `examples/element`), and the project's own run of the same load case, kN. A C compiler, a Fortran compiler, FMPy and Exudyn
+//! are not needed to build or use the tool; without them their tests are counted as skipped.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::OnceLock;
+
+use railspring_element::element::Element;
+use railspring_testing::{Need, needs};
+use tempfile::TempDir;
+
+/// Rows of the load case: through the first impacts on the flange.
+const ROWS: usize = 120;
+
+/// RMS of a difference over the largest force that a host's own scheme with 16 steps a row leaves: 0.12 and 0.28 % (P, Q) over all of load case 4.1, half of it with half of the steps.
+const STEPS: f64 = 0.005;
+
+/// Load case 4.1 of the publication to 60 ms, without the solid.
+const CASE: &str = r#"
+[scenario.pushed]
+description = "Constant lateral force, vertical force with a sine on the suspended mass."
+steps = 120
+time_step_s = 0.0005
+gravity_m_per_s2 = 0
+suspended_mass_t = 6.25
+vertical_suspension = { stiffness_kn_per_m = 1200, damping_kn_s_per_m = 40 }
+lateral_suspension = { stiffness_kn_per_m = 1200, damping_kn_s_per_m = 40 }
+vertical_force = { mean_kn = 10, amplitude_kn = 61.25, frequency_hz = 10, phase_deg = 0 }
+lateral_force = { mean_kn = 20 }
+rotations_held = true
+solid = false
+"#;
+
+fn railspring(root: &Path, arguments: &[&str]) -> Output {
+    let program = env!("CARGO_BIN_EXE_railspring");
+    Command::new(program).current_dir(root).args(arguments).output().unwrap()
+}
+
+fn said(output: &Output) -> String {
+    [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text).into_owned()).concat()
+}
+
+/// A coarse pair with its element, the unit and the library, and the load case run on it, made once.
+fn made() -> &'static Path {
+    static MADE: OnceLock<TempDir> = OnceLock::new();
+    MADE.get_or_init(|| {
+        let root = tempfile::tempdir().unwrap();
+        // full integration locks the disc of this mesh, whose modes then couple with the hub as no wheel's do
+        let coarse = include_str!("studies/coarse.toml")
+            .replace("shifts_mm = []", "shifts_mm = [0, 4, 6.5, 7]")
+            .replace("full-integration", "incompatible-modes");
+        std::fs::write(root.path().join("study.toml"), format!("{coarse}{CASE}")).unwrap();
+        let element = "element study.toml -o pair.rse --fmu pair.fmu --c c --results out --cache store -q";
+        for command in [element, "simulate study.toml -o out --cache store -q"] {
+            let output = railspring(root.path(), &command.split(' ').collect::<Vec<_>>());
+            assert_eq!(output.status.code(), Some(0), "{command}: {}", said(&output));
+        }
+        root
+    })
+    .path()
+}
+
+fn sources(folder: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(folder)
+}
+
+/// Columns with these names of the first rows of a table.
+fn columns(text: &str, names: [&str; 2], factor: f64) -> [Vec<f64>; 2] {
+    let mut lines = text.lines();
+    let heading: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let places = names.map(|name| heading.iter().position(|found| *found == name).unwrap());
+    let rows: Vec<Vec<f64>> = lines
+        .take(ROWS + 1)
+        .map(|line| line.split(',').map(|value| value.parse().unwrap_or(f64::NAN)).collect())
+        .collect();
+    assert_eq!(rows.len(), ROWS + 1);
+    places.map(|place| rows.iter().map(|row| factor * row[place]).collect())
+}
+
+/// P and Q of a host against the project's own run: RMS of the difference over the largest value.
+fn differences(forces: &str) -> [f64; 2] {
+    let history = std::fs::read_to_string(made().join("out/history.csv")).unwrap();
+    let own = columns(&history, ["p_kn", "q_kn"], 1e3);
+    let found = columns(forces, ["p_n", "q_n"], 1.0);
+    [0, 1].map(|i| {
+        let square: f64 = found[i].iter().zip(&own[i]).map(|(a, b)| (a - b).powi(2)).sum();
+        let largest = own[i].iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+        (square / found[i].len() as f64).sqrt() / largest
+    })
+}
+
+/// Whether a program of the system is there; counted as skipped without it.
+fn compiler(name: &str, need: Need) -> bool {
+    let there = Command::new(name).arg("--version").output().is_ok_and(|output| output.status.success());
+    needs(need, name, there)
+}
+
+/// Compiles C sources, relative to the folder of the examples, with the library into a program.
+fn compiled(folder: &TempDir, name: &str, sources_of: &[&str], objects: &[&str]) -> PathBuf {
+    let (library, program) = (made().join("c"), folder.path().join(name));
+    let mut command = Command::new("cc");
+    command.current_dir(sources("element/c/examples")).args(["-std=c99", "-O2", "-Wall", "-Werror", "-I"]);
+    command.arg(&library).args(sources_of).args(objects.iter().map(|object| folder.path().join(object)));
+    command.arg("-L").arg(&library).arg(format!("-Wl,-rpath,{}", library.display()));
+    command.args(["-lrailspring_c", "-lm", "-lpthread"]);
+    if !objects.is_empty() {
+        command.arg("-lgfortran");
+    }
+    let output = command.arg("-o").arg(&program).output().unwrap();
+    assert!(output.status.success(), "{}", said(&output));
+    program
+}
+
+/// Runs a program on the element file; its standard output.
+fn run(program: &Path, arguments: &[&str]) -> String {
+    let element = made().join("pair.rse");
+    let output = Command::new(program).args(arguments).env("RAILSPRING_ELEMENT", element).output().unwrap();
+    assert!(output.status.success(), "{} {arguments:?}: {}", program.display(), said(&output));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// Goal: the host in C with Newmark's scheme of its own has the forces of the project's own run (kN). Accuracy: STEPS.
+#[test]
+fn a_host_in_c_runs_the_load_case() {
+    if !compiler("cc", Need::Compiler) {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let program = compiled(&folder, "newmark", &["newmark.c"], &[]);
+    let [p, q] = differences(&run(&program, &[made().join("pair.rse").to_str().unwrap(), "16"]));
+    println!("P {p:.5}, Q {q:.5}");
+    assert!(p < STEPS && q < STEPS, "{p} {q}");
+}
+
+/// Goal: the conformance program writes 200 states with forces and tangents and finds them again; wrong input returns codes, clones, restored states and two threads have the same bytes. Exact, but for the vectors, which it
+/// compares to nine digits.
+#[test]
+fn the_c_interface_conforms() {
+    if !compiler("cc", Need::Compiler) {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let sources = ["conformance.c", "conformance_checks.c", "conformance_errors.c"];
+    let program = compiled(&folder, "conformance", &sources, &[]);
+    let element = made().join("pair.rse");
+    let element = element.to_str().unwrap();
+    let vectors = run(&program, &["--write", element]);
+    let file = folder.path().join("vectors.csv");
+    std::fs::write(&file, &vectors).unwrap();
+    println!("{}", run(&program, &[element, file.to_str().unwrap()]));
+    // a vector that is not the element's is found
+    let last = vectors.trim_end().rfind(',').unwrap();
+    std::fs::write(&file, format!("{},1e3\n", &vectors[..last])).unwrap();
+    let output = Command::new(&program).args([element, file.to_str().unwrap()]).output().unwrap();
+    assert!(!output.status.success(), "{}", said(&output));
+}
+
+/// Goal: the samples for Simpack, GENSYS and Abaqus give under their mock drivers, whose steps are given up and repeated, the forces of direct calls: what each driver checks itself.
+#[test]
+fn user_routines_run_under_mock_drivers() {
+    if !compiler("cc", Need::Compiler) {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["simpack_user_force", "gensys_user"] {
+        let files = [format!("user_routines/{name}_driver.c"), format!("user_routines/{name}.c")];
+        let program = compiled(&folder, name, &files.each_ref().map(String::as_str), &[]);
+        println!("{}", run(&program, &[]));
+    }
+    if !compiler("gfortran", Need::Fortran) {
+        return;
+    }
+    let object = folder.path().join("abaqus_uel.o");
+    let routine = sources("element/c/examples/user_routines/abaqus_uel.f");
+    let mut fortran = Command::new("gfortran");
+    let output = fortran.arg("-O2").arg("-c").arg(routine).arg("-o").arg(object).output().unwrap();
+    assert!(output.status.success(), "{}", said(&output));
+    let driver = ["user_routines/abaqus_uel_driver.c"];
+    println!("{}", run(&compiled(&folder, "uel", &driver, &["abaqus_uel.o"]), &[]));
+}
+
+/// Runs an example in Python on element file and unit in an empty folder; the forces that it leaves.
+fn example(interpreter: &Path, name: &str, arguments: &[&str]) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    let script = sources("examples/element").join(name);
+    let library = std::fs::read_dir(made().join("c"))
+        .unwrap()
+        .flatten()
+        .map(|entry| entry.path())
+        .find(|path| path.extension().is_some_and(|end| end != "h"))
+        .unwrap();
+    let mut command = Command::new(interpreter);
+    command.current_dir(folder.path()).arg("-B").arg(script).arg(made().join("pair.rse")).args(arguments);
+    let output = command.env("RAILSPRING_LIBRARY", library).output().unwrap();
+    assert!(output.status.success(), "{name}: {}", said(&output));
+    println!("{}", said(&output));
+    std::fs::read_to_string(folder.path().join("forces.csv")).unwrap()
+}
+
+/// Source: FMPy's validation against the standard, and FMPy as master. Goal: it finds nothing to complain of; it simulates the unit for co-simulation and for model exchange; hub and rail of a master in Python have the forces of the project's own run (kN); a state
+/// that is set back repeats its step. Accuracy: STEPS.
+#[test]
+fn fmpy_runs_the_unit() {
+    let Some(interpreter) = railspring_testing::fmpy(Path::new(env!("CARGO_TARGET_TMPDIR"))) else {
+        return;
+    };
+    let unit = made().join("pair.fmu");
+    let check = "import sys\nfrom fmpy import simulate_fmu\nfrom fmpy.validation import validate_fmu\n\
+                 problems = validate_fmu(sys.argv[1])\nassert not problems, problems\n\
+                 for kind in ('CoSimulation', 'ModelExchange'):\n    \
+                 rows = simulate_fmu(sys.argv[1], fmi_type=kind, stop_time=0.001, start_values={'hub.z': 5e-5})\n    \
+                 assert len(rows) > 2 and rows['rim.fz'][-1] < -1e3, (kind, rows)\n";
+    let output = Command::new(&interpreter).args(["-c", check]).arg(&unit).output().unwrap();
+    assert!(output.status.success(), "{}", said(&output));
+    let [p, q] = differences(&example(&interpreter, "fmpy_master.py", &[unit.to_str().unwrap(), "16"]));
+    println!("P {p:.5}, Q {q:.5}");
+    assert!(p < STEPS && q < STEPS, "{p} {q}");
+}
+
+/// Source: Exudyn's implicit integration with the contact called live. Goal: the forces of the project's own run (kN). Accuracy: STEPS.
+#[test]
+fn exudyn_calls_the_contact() {
+    let Some(interpreter) = railspring_testing::exudyn(Path::new(env!("CARGO_TARGET_TMPDIR"))) else {
+        return;
+    };
+    let [p, q] = differences(&example(&interpreter, "exudyn_live.py", &["contact", "16"]));
+    println!("P {p:.5}, Q {q:.5}");
+    assert!(p < STEPS && q < STEPS, "{p} {q}");
+}
+
+/// Goal: the same element gives the same bytes; what the file says of itself is of this study; without a load case and with the lumped element there is a file as well.
+#[test]
+fn the_same_study_gives_the_same_file() {
+    let root = made();
+    let command = "element study.toml -o again.rse --fmu again.fmu --results out --cache store -q";
+    let output = railspring(root, &command.split(' ').collect::<Vec<_>>());
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    for (one, other) in [("pair.rse", "again.rse"), ("pair.fmu", "again.fmu")] {
+        assert!(std::fs::read(root.join(one)).unwrap() == std::fs::read(root.join(other)).unwrap(), "{one}");
+    }
+    let element = Element::open(&root.join("pair.rse")).unwrap();
+    assert_eq!((element.about.study.as_str(), element.about.element.as_str()), ("coarse", "condensed"));
+    assert!(element.about.largest_force_n > 50e3 && element.rail_at_wheel.is_some());
+    let command = "element study.toml -o lumped.rse --element lumped --results out --cache store -q";
+    let output = railspring(root, &command.split(' ').collect::<Vec<_>>());
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    assert_eq!(Element::open(&root.join("lumped.rse")).unwrap().about.element, "lumped");
+}
+
+/// Goal: what cannot be written is refused with the option or key, the value and a remedy, and what was there stays.
+#[test]
+fn impossible_elements_are_refused() {
+    let root = made();
+    let before = std::fs::read(root.join("pair.rse")).unwrap();
+    let refused = |arguments: &str| {
+        let all = format!("element study.toml --results out --cache store -q {arguments}");
+        let output = railspring(root, &all.split(' ').collect::<Vec<_>>());
+        assert_eq!(output.status.code(), Some(2), "{arguments}: {}", said(&output));
+        said(&output)
+    };
+    let message = refused("-o pair.rse --set calibration.elements=false");
+    assert!(message.contains("calibration.elements") && message.contains("leave it out"), "{message}");
+    let message = refused("-o pair.rse --set calibration.shifts_mm=[]");
+    assert!(message.contains("calibration.shifts_mm"), "{message}");
+    let message = refused("-o out");
+    assert!(message.contains("-o") && message.contains("not a folder"), "{message}");
+    assert!(std::fs::read(root.join("pair.rse")).unwrap() == before);
+}
+
+/// Goal: `railspring.h` declares what the library has: every function with its number of arguments, as cbindgen finds them.
+#[test]
+fn the_header_is_that_of_the_library() {
+    let text = |name: &str| std::fs::read_to_string(sources("element/c").join(name)).unwrap();
+    let header = text("include/railspring.h");
+    let sources =
+        ["guard", "element", "contact", "unit"].map(|name| text(&format!("src/{name}.rs"))).concat();
+    let mut count = 0;
+    for function in sources.split("extern \"C\" fn ").skip(1) {
+        let (name, rest) = function.split_once('(').unwrap();
+        let arguments = rest.split_once(") ").unwrap().0.matches(": ").count();
+        let declared = header.split(&format!("{name}(")).nth(1).unwrap_or_else(|| panic!("no {name}"));
+        let declared = declared.split_once(')').unwrap().0;
+        let there = if declared.trim() == "void" { 0 } else { declared.matches(',').count() + 1 };
+        assert_eq!(there, arguments, "{name}");
+        count += 1;
+    }
+    assert!(count > 20, "{count}");
+}
