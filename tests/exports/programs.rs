@@ -69,7 +69,7 @@ fn opensees_has_the_law() {
 }
 
 /// Source: `HertzianContact` of STEM's vehicle models (UVEC), with the exported file as its parameters. Goal: its static deformation (m) under 10, 50, 85 and
-/// 120 kN is that of a law without a constant part, its force there the load, and none in tension. Accuracy: some powers, ROUNDOFF.
+/// 120 kN is that of a law without a constant part, its force there the load, and none in tension. Its linear spring at 60 kN has the law's tangent (N/m), in a gap too. Accuracy: some powers, ROUNDOFF.
 #[test]
 fn stem_has_the_law() {
     const ROUNDOFF: f64 = 1e-12;
@@ -81,13 +81,18 @@ fn stem_has_the_law() {
                   h.contact_coeff = CONTACT['contact_coefficient']\nh.contact_power = CONTACT['contact_power']\n\
                   for f in (10e3, 50e3, 85e3, 120e3):\n    x = h.calculate_contact_deformation(n.array([f]))[0]\n    \
                   print(x, h.calculate_contact_force(n.array([-x]))[0])\n\
-                  n.seterr(invalid='ignore')\nprint(1e-5, h.calculate_contact_force(n.array([1e-5]))[0])\n";
+                  n.seterr(invalid='ignore')\nprint(1e-5, h.calculate_contact_force(n.array([1e-5]))[0])\n\
+                  from stem_contact import LINEAR\nh.contact_coeff, h.contact_power = LINEAR[60000].values()\n\
+                  for x in (-1e-5, 1e-5):\n    print(x, h.calculate_contact_force(n.array([x]))[0])\n";
     let output =
         std::process::Command::new(&interpreter).current_dir(&folder).args(["-c", driver]).output().unwrap();
     assert!(output.status.success(), "{}", said(&output));
     let found = rows(&String::from_utf8(output.stdout).unwrap());
     let law = law(&record, "beam");
-    assert_eq!((found.len(), found[4]), (5, [1e-5, 0.0]));
+    assert_eq!((found.len(), found[4]), (7, [1e-5, 0.0]));
+    // the linear spring at 60 kN has the tangent there, and pushes in a gap, as the file says
+    let tangent = 1e-5 * law.tangent(60e3);
+    assert!((found[5][1] / tangent - 1.0).abs() < ROUNDOFF && (found[6][1] / tangent - 1.0).abs() < ROUNDOFF);
     for ([displacement, force], load) in found.into_iter().zip(LOADS_KN) {
         let expected = law.displacement(1e3 * load);
         assert!((displacement / expected - 1.0).abs() < ROUNDOFF, "{load} kN: {displacement} {expected}");

@@ -46,7 +46,7 @@ double place_at(const RailspringAbout *about, double share)
     return isnan(about->rail_length) ? RAILSPRING_OTHER_RAIL : about->rail_length * share;
 }
 
-/* The height (m) at which the wheel of the study just touches, about, where it stands y (m) to the side. */
+/* The height (m) at which the study's wheel about touches, where it stands y (m) to the side. */
 static double touches(double y)
 {
     return y < 0.0 ? -0.012 * y : -14.0 * y * y;

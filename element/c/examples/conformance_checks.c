@@ -121,7 +121,7 @@ static int ascending(const void *one, const void *other)
     return (difference > 0.0) - (difference < 0.0);
 }
 
-/* The largest difference of a tangent and differences of forces, over the largest value of each of its four blocks of 3 by 3. */
+/* How far a tangent is off differences of forces. Each of its four blocks of 3 by 3 is compared with its largest value. */
 static double off_differences(const double tangent[36], double differences[6][6])
 {
     double off = 0.0;

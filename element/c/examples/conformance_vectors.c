@@ -9,7 +9,8 @@
  * A STATE has 49 numbers: rim y, z, rotation; section y, z, rotation; place; six forces; 36 of the tangent by rows.
  * A UNIT STATE has 23: `bent` or the step's length (s); hub and its velocity; section and its velocity; place; nine forces.
  *
- * A number may differ by the tolerance (1e-9) times the largest one of its unit in its line (N, N m; N/m, N, N m).
+ * A number may differ by the tolerance (1e-9) times the largest one of its unit in its line. The units are N and N m of
+ * forces, and N/m, N and N m of the tangent.
  * The library balances forces to about 1 N. A port whose arithmetic rounds otherwise may therefore need 1e-4. */
 #include "conformance.h"
 #include <math.h>

@@ -73,7 +73,7 @@ static int solve(size_t n, double *matrix, double *right)
     return 1;
 }
 
-/* The host's coordinates are hub y and z (its rotation is held), the wheel's modes, the suspended mass, and the rail's modes. */
+/* The coordinates are hub y and z, the wheel's modes, the suspended mass, and the rail's modes. The hub does not rotate. */
 typedef struct {
     size_t size, suspended;                          /* coordinates, and which is the suspended mass */
     double *mass, *damping, *stiffness, *carried;    /* `carried` has 6 rows: motions of rim and section */
@@ -160,7 +160,7 @@ static void newton_matrix(const Host *host, double h, const double *tangent, dou
 /* P and Q are minus the forces on the rim: near a held end the section has only its share. */
 static void row(double time, const RailspringForces *forces)
 {
-    printf("%.17g,%.17g,%.17g\n", time, -forces->rim[1], -forces->rim[0]);
+    printf("%.17g,%.17g,%.17g\n", time, 0.0 - forces->rim[1], 0.0 - forces->rim[0]);
 }
 
 int main(int count, char **arguments)

@@ -70,7 +70,7 @@ typedef struct {
   double rim[3];
   // On the section of the rail. Near a held end of the study's rail less than on its head, which the end holds as well.
   double section[3];
-  // Derivatives of rim and section forces by rim and section motions, six rows; N/m, N, N·m. Minus a stiffness, to the first order: of the largest of a block 0.1 % off in half of the states, 6 % in one of a hundred.
+  // Derivatives of rim and section forces by rim and section motions, six rows; N/m, N, N·m. Minus a stiffness, to the first order: after a step of 2 µm 2 % off in half of the states, of the largest of a block, 7 % in one of a hundred.
   double tangent[36];
 } RailspringForces;
 
@@ -177,7 +177,7 @@ void railspring_contact_free(RailspringContact *contact);
 RailspringCode railspring_contact_clone(const RailspringContact *contact,
                                         RailspringContact **clone);
 
-// Takes over the state at the end of the last step of `other`, a contact of the same element, with its friction and the flexibility of its section.
+// Takes over the state at the end of the last step of `other`, a contact of the same RailspringElement, with its friction and the flexibility of its section.
 RailspringCode railspring_contact_restore(RailspringContact *contact,
                                           const RailspringContact *other);
 
@@ -217,7 +217,7 @@ void railspring_unit_free(RailspringUnit *unit);
 // A copy of a unit with its state.
 RailspringCode railspring_unit_clone(const RailspringUnit *unit, RailspringUnit **clone);
 
-// Takes over the state at the end of the last step of `other`, a unit of the same element, with its friction and the flexibility of its section.
+// Takes over the state at the end of the last step of `other`, a unit of the same RailspringElement, with its friction and the flexibility of its section.
 RailspringCode railspring_unit_restore(RailspringUnit *unit,
                                        const RailspringUnit *other);
 
@@ -231,14 +231,14 @@ RailspringCode railspring_unit_start(RailspringUnit *unit,
                                      int32_t bent,
                                      RailspringHostForces *forces);
 
-// The forces at the end of a step of a `length` (s) from the end of the last one to a host's motions. They depend on these and on the end of the last step alone; the state stays until
+// The forces at the end of a step of a `length` (s, at most 0.1) from the end of the last one to a host's motions. They depend on these and on the end of the last step alone; the state stays until
 // railspring_unit_commit. Between both ends the motions are cubics with their velocities; the element divides the step as its forces ask for.
 RailspringCode railspring_unit_advance(RailspringUnit *unit,
                                        double length,
                                        const RailspringHost *host,
                                        RailspringHostForces *forces);
 
-// Derivatives of the forces that railspring_unit_advance found last by the displacements of hub and section at the end of its step: 36 values, six rows (hub before section); N/m, N, N·m.
+// Derivatives of the forces that railspring_unit_advance found last by the displacements of hub and section at the end of its step: 36 values, six rows (hub before section); N/m, N, N·m. They are those of the last inner step: a good guess for steps of up to 100 µs. Without such a step they are zero.
 RailspringCode railspring_unit_tangent(const RailspringUnit *unit,
                                        double *tangent);
 

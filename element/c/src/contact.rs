@@ -47,7 +47,7 @@ pub unsafe extern "C" fn railspring_contact_clone(
     })
 }
 
-/// Takes over the state at the end of the last step of `other`, a contact of the same element, with its friction and the flexibility of its section.
+/// Takes over the state at the end of the last step of `other`, a contact of the same RailspringElement, with its friction and the flexibility of its section.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn railspring_contact_restore(
     contact: *mut RailspringContact,

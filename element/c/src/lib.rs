@@ -5,8 +5,8 @@
 //! used by one thread at a time, an element by any number of them.
 
 mod guard;
-pub mod element;
 pub mod types;
+pub mod element;
 pub mod contact;
 pub mod unit;
 /// cbindgen:ignore

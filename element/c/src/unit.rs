@@ -2,7 +2,7 @@
 
 use crate::contact::list;
 use crate::element::{RailspringElement, friction, same};
-use crate::guard::{RailspringCode, exclusive, free, guarded, hand_over, put, put_all, shared};
+use crate::guard::{RailspringCode, exclusive, free, guarded, hand_over, put, shared};
 use crate::types::{RailspringHost, RailspringHostForces, RailspringPlace};
 use nalgebra::Matrix3;
 use railspring_element::unit::Unit;
@@ -49,7 +49,7 @@ pub unsafe extern "C" fn railspring_unit_clone(
     })
 }
 
-/// Takes over the state at the end of the last step of `other`, a unit of the same element, with its friction and the flexibility of its section.
+/// Takes over the state at the end of the last step of `other`, a unit of the same RailspringElement, with its friction and the flexibility of its section.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn railspring_unit_restore(
     unit: *mut RailspringUnit,
@@ -95,7 +95,7 @@ pub unsafe extern "C" fn railspring_unit_start(
     })
 }
 
-/// The forces at the end of a step of a `length` (s) from the end of the last one to a host's motions. They depend on these and on the end of the last step alone; the state stays until
+/// The forces at the end of a step of a `length` (s, at most 0.1) from the end of the last one to a host's motions. They depend on these and on the end of the last step alone; the state stays until
 /// railspring_unit_commit. Between both ends the motions are cubics with their velocities; the element divides the step as its forces ask for.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn railspring_unit_advance(
@@ -113,7 +113,7 @@ pub unsafe extern "C" fn railspring_unit_advance(
     })
 }
 
-/// Derivatives of the forces that railspring_unit_advance found last by the displacements of hub and section at the end of its step: 36 values, six rows (hub before section); N/m, N, N·m.
+/// Derivatives of the forces that railspring_unit_advance found last by the displacements of hub and section at the end of its step: 36 values, six rows (hub before section); N/m, N, N·m. They are those of the last inner step: a good guess for steps of up to 100 µs. Without such a step they are zero.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn railspring_unit_tangent(
     unit: *const RailspringUnit,
@@ -122,9 +122,9 @@ pub unsafe extern "C" fn railspring_unit_tangent(
     guarded(|| {
         // SAFETY: as the caller promises
         let all = unsafe { shared(unit, "unit") }?.0.tangent();
+        let rows: [f64; 36] = std::array::from_fn(|i| all[(i / 6, i % 6)]);
         // SAFETY: as the caller promises
-        unsafe { put_all(tangent, all.transpose().iter().copied()) };
-        Ok(())
+        unsafe { put(tangent.cast(), rows, "tangent") }
     })
 }
 

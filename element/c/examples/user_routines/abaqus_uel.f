@@ -16,7 +16,8 @@ C     from where the wheel just touches. Inertia and the flexibility of
 C     the bodies are Abaqus's. Coordinates of the nodes are not used.
 C
 C     PROPS(1) is the place of the wheel at total time 0 (m), PROPS(2)
-C     its speed (m/s), PROPS(3) friction (less than 0: the study's).
+C     its speed (m/s). PROPS(3) is the coefficient of friction; a value
+C     less than 0 takes the study's.
 C     A rail of your own has PROPS(1) -1 and PROPS(2) 0.
 C     The environment variable RAILSPRING_ELEMENT names the file.
 C

@@ -3,8 +3,8 @@
  * simpack_user_force.c and gensys_user.c include this file; it needs railspring.h alone. It is UNTRIED in Simpack and GENSYS.
  *
  * The time of a call tells what the program does. A later time than that of the last call accepts the last call as the end of a
- * step. The same time is an iteration. An earlier time gives the last step up. The states of the last ACCEPTED_STEPS_KEPT
- * accepted steps are kept, so that the program may also go back behind an accepted step.
+ * step. The same time is an iteration. An earlier time gives the last step up. The last ACCEPTED_STEPS_KEPT states are
+ * kept. The program may therefore also go back behind an accepted step.
  *
  * This suits implicit methods, and methods that evaluate at the ends of steps (Heun's). A method with stages inside a step
  * (Runge-Kutta) makes friction go through the motions of the stages. A program that reports accepted steps should call

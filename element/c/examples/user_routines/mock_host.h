@@ -1,6 +1,6 @@
 /* A host for the drivers of the user routines; they include this file.
  *
- * Rim and rail section have two displacements and a rotation each, on springs and dampers, and loads on the rim swing. */
+ * Rim and rail section have two displacements and a rotation each, on springs and dampers. The loads on the rim swing. */
 #ifndef MOCK_HOST_H
 #define MOCK_HOST_H
 #include "railspring.h"

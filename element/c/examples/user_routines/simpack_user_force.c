@@ -12,8 +12,8 @@
  * The state of friction is kept here by accepted steps (accepted_steps.h) and is none of Simpack's states. A run can therefore not
  * go on from a saved state. The routine is for one thread.
  *
- * The from-marker is on the rim, at the origin of the wheel's profile, on a body that does not turn with the wheel. The to-marker is
- * on the rail's section, at its line of shear centres. Both have x along the track, y to the field side and z down.
+ * The from-marker is on the rim, at the origin of the wheel's profile. Its body must not turn with the wheel. The to-marker is on
+ * the rail's section, at its line of shear centres. Both have x along the track, y to the field side and z down.
  * Near a held end of the study's rail the section feels less than the rim; Simpack applies the same force to both.
  * The environment variable RAILSPRING_ELEMENT names the element file.
  *
@@ -26,7 +26,8 @@
 
 enum { ELEMENTS = 64, TASK_FORCE = 0, TASK_FIRST_CALL = 5, TASK_LAST_CALL = 6 };
 
-/* Displacements y, z and rotation about x of a marker from where the wheel just touches, in axes of the track. The host has it. */
+/* Displacements y, z and rotation about x of a marker, in axes of the track. They count from where the wheel just touches.
+ * This file only declares the function: write it with the access functions of your version. */
 void marker_motions(int marker, double time, double motions[3]);
 
 static struct {

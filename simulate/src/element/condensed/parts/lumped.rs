@@ -366,7 +366,7 @@ mod tests {
         assert_eq!(set.offset, 0.0);
         let element = PairElement::from(&LumpedElement {
             set,
-            strips: StripStiffness::new(Vec::new(), super::super::Influence::default(), 0.0),
+            strips: StripStiffness::new(Vec::new(), railspring_element::relief::Influence::default(), 0.0),
             misfit: [0.0; 2],
         });
         let to_wheel = Matrix3::new(1.0, 0.0, -arm.y, 0.0, 1.0, arm.x, 0.0, 0.0, 1.0);

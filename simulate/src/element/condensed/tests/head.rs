@@ -15,7 +15,7 @@ use railspring_profiles::section::{rail_section, wheel_section};
 use super::super::CondensedModel;
 use super::super::head::between_held_ends;
 use super::elastic;
-use railspring_element::head::{Head, HeadAt};
+use railspring_element::head::HeadAt;
 
 const LENGTH: f64 = 0.555;
 

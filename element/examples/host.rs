@@ -4,7 +4,7 @@
 //! `unit` lets the element do so, and moves hub and rail explicitly.
 //!
 //! ```sh
-//! cargo run --release -p railspring-element --example load_case -- pair.rse contact 16 >forces.csv
+//! cargo run --release -p railspring-element --example host -- pair.rse contact 16 >forces.csv
 //! ```
 //! The number is that of steps in a row of half a millisecond; columns are time (s), P and Q (N).
 
@@ -33,7 +33,7 @@ fn loads(time: f64) -> [f64; 2] {
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().collect();
     let [_, file, kind, steps] = &arguments[..] else {
-        return Err("usage: load_case FILE contact|unit STEPS".into());
+        return Err("usage: host FILE contact|unit STEPS".into());
     };
     let element = Arc::new(Element::open(Path::new(file))?);
     let steps: usize = steps.parse()?;
