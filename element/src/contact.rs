@@ -193,7 +193,7 @@ impl StaticContact {
         }
         // from here on there is friction, which has taken up nothing yet
         let Self { trial, element, .. } = self;
-        trial.strips.commit(0.0);
+        trial.strips.begin_friction();
         trial.meeting.contacts.look(&mut trial.strips, &element.strips, &trial.meeting.pose, friction);
         self.commit();
         Ok(())

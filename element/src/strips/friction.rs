@@ -9,11 +9,15 @@ use crate::overlap::Pose;
 const DETOUR: f64 = 0.1e-6;
 
 impl ContactStrips {
+    /// Friction begins where the contacts have been looked at last, with no way behind it.
+    pub fn begin_friction(&mut self) {
+        (self.taken_up.committed, self.taken_up.kept) = (self.looked, self.looked);
+    }
+
     /// A step ends where the contacts have been looked at last: what friction has taken up there stays with the places of the rail.
     pub fn commit(&mut self, coefficient: f64) {
         if coefficient == 0.0 {
-            // friction that begins here has no way behind it
-            (self.taken_up.committed, self.taken_up.kept) = (self.looked, self.looked);
+            self.taken_up.committed = self.looked;
             return;
         }
         let way = |from: &Pose| self.profiles.motion_between(from, &self.looked).xy().norm();

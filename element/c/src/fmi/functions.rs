@@ -152,7 +152,6 @@ unsafe extern "C" fn fmi3InstantiateModelExchange(
 }
 
 #[unsafe(no_mangle)]
-#[expect(clippy::too_many_arguments, reason = "the standard's")]
 unsafe extern "C" fn fmi3InstantiateCoSimulation(
     _name: *const c_char,
     token: *const c_char,
@@ -357,7 +356,6 @@ unsafe extern "C" fn fmi3FreeFMUState(_: *mut Logged, state: *mut *mut State) ->
 }
 
 #[unsafe(no_mangle)]
-#[expect(clippy::too_many_arguments, reason = "the standard's")]
 unsafe extern "C" fn fmi3GetDirectionalDerivative(
     instance: *mut Logged,
     unknowns: *const u32,
@@ -519,7 +517,6 @@ unsafe extern "C" fn fmi3GetEventIndicators(_: *mut Logged, _: *mut f64, count: 
 }
 
 #[unsafe(no_mangle)]
-#[expect(clippy::too_many_arguments, reason = "the standard's")]
 unsafe extern "C" fn fmi3DoStep(
     instance: *mut Logged,
     time: f64,
