@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 /// How the head of a rail moves near a held end.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeldEnd {
-    /// Length at an end that has no shear flexibility, m, as of [`HeldRail`].
+    /// Length at an end that has no shear flexibility, m, as of `HeldRail` of the beams.
     pub inset: f64,
     /// The head against such a rail, by ascending distance from the nearer end; beyond the last as there.
     pub places: Vec<EndPlace>,

@@ -8,11 +8,11 @@
 //!
 //! What the loads move beside their strips stands in [`crate::relief`].
 //!
-//! Friction acts on every strip: a tangential spring that Coulomb's law limits by the normal force there ([`friction`]). The strips at the edges of a contact
+//! Friction acts on every strip: a tangential spring that Coulomb's law limits by the normal force there (`friction`). The strips at the edges of a contact
 //! slide first. With strips whose forces are spread as a parabola the tangential force is C. Cattaneo's and R.D. Mindlin's,
 //! `1 - (1 - u/u₁)^(3/2)` of the limit at a displacement `u`, where everything slides from `u₁` on, and its loops when the force turns are theirs as well.
 //!
-//! Where the strips are is found at one pose; at poses near it they are the same strips, pressed otherwise ([`near`]).
+//! Where the strips are is found at one pose; at poses near it they are the same strips, pressed otherwise (`near`).
 
 mod contact;
 mod strip;

@@ -300,7 +300,7 @@ impl Unit {
     }
 }
 
-/// A unit whose modes the host integrates as states, for model exchange: `p` and `ṗ` of each mode as in [`crate::modal`].
+/// A unit whose modes the host integrates as states, for model exchange: of each mode of 1 kg the amplitude with the hub held and its coupling times the motion of the hub, and the velocity of that.
 impl Unit {
     /// Number of modes.
     pub fn modes(&self) -> usize {
