@@ -176,6 +176,8 @@ fn user_routines_run_under_mock_drivers() {
     let object = folder.path().join("abaqus_uel.o");
     let routine = sources("element/c/examples/user_routines/abaqus_uel.f");
     let mut fortran = Command::new("gfortran");
+    // it leaves its modules where it runs
+    fortran.current_dir(folder.path());
     let output = fortran.arg("-O2").arg("-c").arg(routine).arg("-o").arg(object).output().unwrap();
     assert!(output.status.success(), "{}", said(&output));
     let driver = ["user_routines/abaqus_uel_driver.c"];
