@@ -13,7 +13,7 @@ use crate::overlap::{Pose, Profiles};
 use crate::step::{Meeting, Side, Step, arm, transport};
 use crate::strips::ContactStrips;
 use nalgebra::{Matrix3, Matrix6, Point2, Vector3};
-use railspring_profiles::error::{Error, InputError, Result};
+use railspring_profiles::error::{InputError, Result};
 use std::sync::Arc;
 
 /// What a force may be off, N: a hundred-thousandth of a usual load.
@@ -28,7 +28,9 @@ const SOFTEST: f64 = 1e-4;
 /// A contact under more than so many times the largest load that the element was fitted to is beyond all that its strips and steel stand for.
 const OVERLOAD: f64 = 10.0;
 
-/// A contact slides where more than this share of its normal force is on strips that slide: under Hertz's pressures it is half of the force on surfaces (R.D. Mindlin, J. Appl. Mech. 16, 1949).
+/// A contact slides, as one of the solid does, where more than half of its normal force is on surfaces that slide. Under Hertz's pressures those are around an ellipse that sticks
+/// (R.D. Mindlin, "Compliance of elastic bodies in contact", J. Appl. Mech. 16, 1949), of `c = √(1 - 2^(-2/3))` of the semi-axes where it carries half; of strips, those beyond `c` of the
+/// half-width have this share of the force, `1 - (3c - c³)/2`.
 pub const SLIDING: f64 = 0.2001;
 
 /// Motions at the end of a step: displacements y, z (m) and the rotation about x (rad), from where the wheel just touches.
@@ -94,7 +96,6 @@ pub struct StaticContact {
     outlines: Arc<[Outline; 2]>,
     /// Whether something was evaluated since the last step, so that it can be taken.
     evaluated: bool,
-    tolerance: f64,
 }
 
 impl StaticContact {
@@ -111,10 +112,7 @@ impl StaticContact {
                 "give a value of 0.1 to 0.6",
             );
         }
-        let profiles =
-            Profiles::new(&element.rail.curve, &element.wheel_profile, element.tape, element.node_line);
-        let strips = ContactStrips::new(profiles, &element.strips);
-        let state = State { strips, meeting: Meeting::default() };
+        let state = State::at_rest(&element);
         let head = element.head_at(OTHER_RAIL);
         let of_rail = element.rail.curve.knot_points().map(|p| p - element.node_line.coords);
         let outlines =
@@ -128,7 +126,6 @@ impl StaticContact {
             committed: state,
             head,
             evaluated: false,
-            tolerance: FORCE,
         })
     }
 
@@ -180,10 +177,7 @@ impl StaticContact {
     pub(crate) fn begin(&mut self, rim: Side, motions: &Motions) -> Result<()> {
         self.evaluated = false;
         self.check(motions)?;
-        let Element { rail, wheel_profile, tape, node_line, strips, .. } = &*self.element;
-        let profiles = Profiles::new(&rail.curve, wheel_profile, *tape, *node_line);
-        let fresh = State { strips: ContactStrips::new(profiles, strips), meeting: Meeting::default() };
-        let before = std::mem::replace(&mut self.committed, fresh);
+        let before = std::mem::replace(&mut self.committed, State::at_rest(&self.element));
         let friction = std::mem::replace(&mut self.friction, 0.0);
         let met = self.meet(rim, self.section(motions), motions.place);
         self.friction = friction;
@@ -224,10 +218,10 @@ impl StaticContact {
 
     /// Takes over the state of another contact of the same element at the end of its last step, in the memory that there is.
     pub fn restore(&mut self, other: &Self) {
-        let Self { friction, section_rest, committed, head, tolerance, .. } = other;
+        let Self { friction, section_rest, committed, head, .. } = other;
         self.committed.copy_from(committed);
         (self.friction, self.section_rest, self.head) = (*friction, *section_rest, *head);
-        (self.evaluated, self.tolerance) = (false, *tolerance);
+        self.evaluated = false;
     }
 
     /// The contacts as evaluated last, or at the end of the last step if nothing was since, in the order of the rail's profile.
@@ -303,7 +297,7 @@ impl StaticContact {
             law: &element.strips,
             friction: self.friction,
             beside: Vector3::zeros(),
-            tolerance: self.tolerance,
+            tolerance: FORCE,
             references: element.references(),
         };
         self.evaluated = false;
@@ -320,13 +314,8 @@ impl StaticContact {
                 1e3 * at.x,
                 1e3 * at.y
             );
-            let error = InputError::new(
-                "motion",
-                value,
-                "contacts within both profiles",
-                "the wheel has left the profiles: end the run there",
-            );
-            return Err(Error::Input(error));
+            let remedy = "the wheel has left the profiles: end the run there";
+            return InputError::refuse("motion", value, "contacts within both profiles", remedy);
         }
         let (normal, most) =
             (trial.meeting.contacts.all.force.xy().norm(), OVERLOAD * element.about.largest_force_n);
@@ -343,13 +332,8 @@ impl StaticContact {
         let places = [element.tape.x + wheel.x, element.node_line.x + rail.x];
         if !of_wheel.is_over(of_rail, [wheel.z, rail.z], places) {
             let value = format!("wheel at y = {:.1} mm", 1e3 * places[0]);
-            let error = InputError::new(
-                "motion",
-                value,
-                "a wheel over its rail",
-                "the wheel has left the rail: end the run there",
-            );
-            return Err(error.into());
+            let remedy = "the wheel has left the rail: end the run there";
+            return InputError::refuse("motion", value, "a wheel over its rail", remedy);
         }
         self.head = element.head_at(place);
         self.evaluated = true;
@@ -384,6 +368,13 @@ impl StaticContact {
 }
 
 impl State {
+    /// Of bodies that have not been looked at, where all motions are zero.
+    fn at_rest(element: &Element) -> Self {
+        let Element { rail, wheel_profile, tape, node_line, strips, .. } = element;
+        let profiles = Profiles::new(&rail.curve, wheel_profile, *tape, *node_line);
+        Self { strips: ContactStrips::new(profiles, strips), meeting: Meeting::default() }
+    }
+
     fn copy_from(&mut self, other: &Self) {
         self.strips.copy_from(&other.strips);
         self.meeting.pose = other.meeting.pose;

@@ -18,6 +18,7 @@ use railspring_profiles::placement::departure;
 use super::model::CondensedModel;
 use super::wheel::{self, Free, Wheel, WheelState};
 use crate::element::published::{Rail, RailDynamics, RailState, SectionMotion, Travel, at_end};
+use railspring_element::contact::SLIDING;
 use railspring_element::head::{Head, HeadAt};
 use railspring_element::outline::Outline;
 use railspring_element::step::{Meeting, Side, Step, arm, transport};
@@ -29,11 +30,6 @@ const FORCE: f64 = 10.0;
 /// of a study makes a thousandth of its energy.
 const MOST_GIVEN_BACK: f64 = 0.002;
 const LEAST_WORK: f64 = 0.03;
-
-/// A contact slides, as one of the solid does, where more than half of its normal force is on surfaces that slide. Under Hertz's pressures those are around an ellipse that sticks
-/// (R.D. Mindlin, "Compliance of elastic bodies in contact", J. Appl. Mech. 16, 1949), of `c = √(1 - 2^(-2/3))` of the semi-axes where it carries half; of strips, those beyond `c` of the
-/// half-width have this share of the force, `1 - (3c - c³)/2`.
-const SLIDING: f64 = 0.2001;
 
 /// State between two steps.
 #[derive(Clone)]
