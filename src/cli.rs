@@ -25,6 +25,8 @@ mod table;
 mod work;
 mod shell;
 
+use std::ffi::OsString;
+use std::io::Write;
 use std::process::ExitCode;
 
 use cache::CacheCommand;
@@ -136,13 +138,25 @@ pub fn command() -> clap::Command {
 
 /// Runs the program with the arguments of the process.
 pub fn main() -> ExitCode {
-    let cli = match Cli::try_parse() {
-        Ok(cli) => cli,
-        Err(answer) => return answered(&answer),
+    ExitCode::from(run(std::env::args_os()))
+}
+
+/// Runs the program with arguments, of which the first is its name, and gives its exit code.
+pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    let code = match Cli::try_parse_from(arguments) {
+        Ok(cli) => commanded(&cli),
+        Err(answer) => answered(&answer),
     };
+    // inside of another program nothing else does; what standard output does not take was said before
+    let _ = std::io::stdout().flush();
+    code
+}
+
+/// Runs the command.
+fn commanded(cli: &Cli) -> u8 {
     match dispatch(&cli.command) {
-        Ok(true) => ExitCode::SUCCESS,
-        Ok(false) => ExitCode::from(1),
+        Ok(true) => 0,
+        Ok(false) => 1,
         Err(failure) => {
             let (messages, code) = failure.said();
             messages.iter().for_each(|message| complain(message));
@@ -150,13 +164,13 @@ pub fn main() -> ExitCode {
                 // what standard output does not take cannot be said there
                 let _ = Results::of(name).failed(messages, code).print(true, true);
             }
-            ExitCode::from(code)
+            code
         }
     }
 }
 
 /// Help, the version, or what is wrong with the arguments.
-fn answered(answer: &clap::Error) -> ExitCode {
+fn answered(answer: &clap::Error) -> u8 {
     let written = match answer.print() {
         Err(cause) if !answer.use_stderr() => output::written(Err(cause)),
         _ => Ok(()),
@@ -164,9 +178,9 @@ fn answered(answer: &clap::Error) -> ExitCode {
     match written {
         Err(error) => {
             complain(&error.to_string());
-            ExitCode::from(exit_code(&error))
+            exit_code(&error)
         }
-        Ok(()) => ExitCode::from(u8::try_from(answer.exit_code()).unwrap_or(2)),
+        Ok(()) => u8::try_from(answer.exit_code()).unwrap_or(2),
     }
 }
 

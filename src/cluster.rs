@@ -189,7 +189,7 @@ impl Cluster<'_> {
         let programs = match self.program {
             Some(program) => vec![program.display().to_string()],
             None => {
-                let here = std::env::current_exe().ok().map(|path| path.display().to_string());
+                let here = crate::program::command().map(|path| path.display().to_string());
                 here.into_iter().chain(["railspring".to_owned()]).collect()
             }
         };

@@ -14,6 +14,7 @@
 //! ```
 
 pub mod version;
+pub mod program;
 pub mod rounding;
 pub mod hash;
 mod child;

@@ -187,6 +187,12 @@ fn user_routines_run_under_mock_drivers() {
 /// Runs an example in Python on element file and unit in an empty folder; the forces that it leaves.
 fn example(interpreter: &Path, name: &str, arguments: &[&str]) -> String {
     let folder = tempfile::tempdir().unwrap();
+    run_example(interpreter, name, arguments, folder.path());
+    std::fs::read_to_string(folder.path().join("forces.csv")).unwrap()
+}
+
+/// The same in a folder.
+fn run_example(interpreter: &Path, name: &str, arguments: &[&str], folder: &Path) {
     let script = sources("examples/element").join(name);
     let library = std::fs::read_dir(made().join("c"))
         .unwrap()
@@ -195,15 +201,14 @@ fn example(interpreter: &Path, name: &str, arguments: &[&str]) -> String {
         .find(|path| path.extension().is_some_and(|end| end != "h"))
         .unwrap();
     let mut command = Command::new(interpreter);
-    command.current_dir(folder.path()).arg("-B").arg(script).arg(made().join("pair.rse")).args(arguments);
+    command.current_dir(folder).arg("-B").arg(script).arg(made().join("pair.rse")).args(arguments);
     let output = command.env("RAILSPRING_LIBRARY", library).output().unwrap();
     assert!(output.status.success(), "{name}: {}", said(&output));
     println!("{}", said(&output));
-    std::fs::read_to_string(folder.path().join("forces.csv")).unwrap()
 }
 
 /// Source: FMPy's validation against the standard, and FMPy as master. Goal: it finds nothing to complain of; it simulates the unit for co-simulation and for model exchange; hub and rail of a master in Python have the forces of the project's own run (kN); a state
-/// that is set back repeats its step. Accuracy: STEPS.
+/// that is set back repeats its step, and directional derivatives agree with differences (`fmpy_check.py` says how closely). Accuracy: STEPS.
 #[test]
 fn fmpy_runs_the_unit() {
     let Some(interpreter) = railspring_testing::fmpy(Path::new(env!("CARGO_TARGET_TMPDIR"))) else {
@@ -220,6 +225,8 @@ fn fmpy_runs_the_unit() {
     let [p, q] = differences(&example(&interpreter, "fmpy_master.py", &[unit.to_str().unwrap(), "16"]));
     println!("P {p:.5}, Q {q:.5}");
     assert!(p < STEPS && q < STEPS, "{p} {q}");
+    // a state that is set back, and directional derivatives: it fails by itself
+    run_example(&interpreter, "fmpy_check.py", &[unit.to_str().unwrap()], made());
 }
 
 /// Source: Exudyn's implicit integration with the contact called live. Goal: the forces of the project's own run (kN). Accuracy: STEPS.
@@ -231,6 +238,37 @@ fn exudyn_calls_the_contact() {
     let [p, q] = differences(&example(&interpreter, "exudyn_live.py", &["contact", "16"]));
     println!("P {p:.5}, Q {q:.5}");
     assert!(p < STEPS && q < STEPS, "{p} {q}");
+}
+
+/// Source: equilibrium and symmetry. Goal: in the example of a wheelset on two rails, which a force pushes across the track, left and right are mirror images before the push; the contacts carry the push while it grows, and
+/// the weight at the end (N). Accuracy: SYMMETRY, between an element and its mirror image, whose strips are looked up on the other side; MASS, what the accelerations of the bodies take of the forces.
+#[test]
+fn a_wheelset_stands_in_exudyn() {
+    const SYMMETRY: f64 = 1e-3;
+    const MASS: f64 = 0.02;
+    let Some(interpreter) = railspring_testing::exudyn(Path::new(env!("CARGO_TARGET_TMPDIR"))) else {
+        return;
+    };
+    let forces = example(&interpreter, "exudyn_wheelset.py", &[]);
+    let rows: Vec<Vec<f64>> = forces
+        .lines()
+        .skip(1)
+        .map(|line| line.split(',').map(|value| value.parse().unwrap()).collect())
+        .collect();
+    // time_s,p_n,q_n,contacts,left_p_n,left_q_n,left_contacts,push_n,y_m,turn_rad
+    let at = |time: f64| rows.iter().find(|row| row[0] >= time - 1e-9).unwrap();
+    let before = at(0.49);
+    assert!((before[1] - before[4]).abs() < SYMMETRY * before[1], "{before:?}");
+    assert!((before[2] - before[5]).abs() < SYMMETRY * before[1], "{before:?}");
+    let element = Element::open(&made().join("pair.rse")).unwrap();
+    // axle, suspended mass and two wheels, as the example has them
+    let weight = 9.81 * (500.0 + 12_500.0 + 2.0 * element.wheel.mass[(1, 1)]);
+    let last = rows.last().unwrap();
+    assert!((last[1] + last[4] - weight).abs() < MASS * weight, "{last:?}, {weight}");
+    for time in [0.6, 0.7] {
+        let row = at(time);
+        assert!((row[2] - row[5] - row[7]).abs() < MASS * weight && row[7] > 1e4, "{row:?}");
+    }
 }
 
 /// Goal: the same element gives the same bytes; what the file says of itself is of this study; without a load case and with the lumped element there is a file as well.

@@ -1,8 +1,8 @@
 //! The Python package of `python/`: built, checked and tried as a user has it.
 //!
-//! Goal: the module builds for the Python at hand, its types hold (mypy, strict), its tests pass with this program, and the notebook with the figures of the README
+//! Goal: the source distribution builds for the Python at hand, its types hold (mypy, strict), its tests pass with the program that it brings along, and the notebook with the figures of the README
 //! runs to its end and leaves them. Source: `python/tests`, `python/notebooks`. Needs Python 3.11 or newer, the package index, and crates.io on the first
-//! run; it compiles the library once more for Python, so that it is no part of the usual tests: `cargo long python_package`, five minutes.
+//! run; it compiles the library once more for Python, so that it is no part of the usual tests: `cargo long python_package`, a quarter of an hour.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -52,7 +52,7 @@ fn the_package_goes_with_the_program() {
 }
 
 #[test]
-#[ignore = "five minutes and the package index: cargo long python_package"]
+#[ignore = "a quarter of an hour and the package index: cargo long python_package"]
 fn the_package_works() {
     let target = Path::new(env!("CARGO_TARGET_TMPDIR"));
     let lock = include_str!("../python/requirements.lock");
@@ -61,33 +61,25 @@ fn the_package_works() {
     let [maturin, mypy] = ["maturin", "mypy"].map(|name| python.with_file_name(name));
     // beside the target folder of the program, whose lock is held while its tests are compiled
     let target_dir = target.join("python");
-    let out = wheels.path().to_str().unwrap();
-    let interpreter = python.to_str().unwrap();
-    done(
-        &maturin,
-        &["build", "--release", "--locked", "--interpreter", interpreter, "-o", out],
-        &[("CARGO_TARGET_DIR", &target_dir)],
-    );
-    let wheel = std::fs::read_dir(wheels.path()).unwrap().flatten().next().unwrap().path();
-    let install = [
-        "-I",
-        "-m",
-        "pip",
-        "install",
-        "--quiet",
-        "--disable-pip-version-check",
-        "--no-deps",
-        "--force-reinstall",
-    ];
-    done(&python, &[&install[..], &[wheel.to_str().unwrap()]].concat(), &[]);
+    done(&maturin, &["sdist", "-o", wheels.path().to_str().unwrap()], &[]);
+    let sources = std::fs::read_dir(wheels.path()).unwrap().flatten().next().unwrap().path();
+    // with the build tools of the lock
+    let install = "-I -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --force-reinstall";
+    let install: Vec<&str> = install.split(' ').chain([sources.to_str().unwrap()]).collect();
+    let search = [python.parent().unwrap().as_os_str(), &std::env::var_os("PATH").unwrap_or_default()];
+    let search = search.map(|part| part.to_string_lossy().into_owned()).join(":");
+    done(&python, &install, &[("CARGO_TARGET_DIR", &target_dir), ("PATH", Path::new(&search))]);
     done(&mypy, &["--cache-dir", "/dev/null", "src", "tests"], &[]);
-    let program = Path::new(env!("CARGO_BIN_EXE_railspring"));
-    println!("{}", done(&python, &["-B", "-m", "pytest"], &[("RAILSPRING", program)]));
+    let program = python.with_file_name("railspring");
+    let version = done(&program, &["--version"], &[]);
+    assert!(version.contains(env!("CARGO_PKG_VERSION")), "{version}");
+    println!("{}", done(&python, &["-B", "-m", "pytest"], &[]));
     let figures = tempfile::tempdir().unwrap();
     let run = "import nbformat, nbclient\nnotebook = nbformat.read('notebooks/readme_figures.ipynb', as_version=4)\n\
                nbclient.NotebookClient(notebook, timeout=600, kernel_name='python3').execute()";
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let variables = [("RAILSPRING", program), ("RAILSPRING_ROOT", root), ("RAILSPRING_OUT", figures.path())];
+    let variables =
+        [("RAILSPRING", program.as_path()), ("RAILSPRING_ROOT", root), ("RAILSPRING_OUT", figures.path())];
     done(&python, &["-c", run], &variables);
     for figure in ["law.png", "derailment-coefficient.png"] {
         let size = std::fs::metadata(figures.path().join(figure)).unwrap().len();

@@ -18,16 +18,20 @@ use std::collections::HashMap;
 use std::path::Path;
 
 /// Layout of the file. A reader takes this one alone.
-pub const FORMAT: &str = "railspring element 1";
+pub const FORMAT: &str = "railspring element 2";
 
 /// Largest file that is read, bytes, and most rows of a tensor.
 const LARGEST: u64 = 64 << 20;
+
+/// Stands for the hash of the contents while that is computed.
+const NO_HASH: &str = "0000000000000000000000000000000000000000000000000000000000000000";
 
 /// What is not a tensor. Lengths are in m, angles in rad.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Plain {
     format: String,
+    contents_blake3: String,
     about: About,
     rail_angle_rad: f64,
     rail_origin_m: [f64; 2],
@@ -53,6 +57,16 @@ struct RailHead {
 fn refused(name: &str, found: String) -> InputError {
     let remedy = "write it again with `railspring element` of this version";
     InputError::new(name, found, format!("a contact element of the layout `{FORMAT}`"), remedy)
+}
+
+/// BLAKE3 of the text of the head, with zeros for its `hash`, and of the tensors in the bytes of a `file`, whose first eight are the length of what is
+/// before the tensors.
+fn contents(head: &str, hash: &str, file: &[u8]) -> String {
+    let length = file.first_chunk().map_or(0, |bytes| u64::from_le_bytes(*bytes));
+    let tensors = usize::try_from(length).ok().and_then(|length| file.get(length.checked_add(8)?..));
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(head.replacen(hash, NO_HASH, 1).as_bytes()).update(tensors.unwrap_or_default());
+    hasher.finalize().to_hex().to_string()
 }
 
 fn rows<const N: usize>(values: impl IntoIterator<Item = [f64; N]>) -> (Vec<usize>, Vec<f64>) {
@@ -134,6 +148,7 @@ impl Element {
         });
         let head = Plain {
             format: FORMAT.into(),
+            contents_blake3: NO_HASH.into(),
             about: self.about.clone(),
             rail_angle_rad: self.rail.angle,
             rail_origin_m: self.rail.origin.into(),
@@ -150,8 +165,12 @@ impl Element {
                 .map(|rail| RailHead { place_m: rail.place, damping_s: rail.damping }),
         };
         let line = serde_json::to_string(&head).expect("numbers and strings are plain JSON");
-        let line = HashMap::from([("railspring".to_string(), line)]);
-        serialize(views, Some(line)).expect("names and shapes are plain")
+        let file = |line: &str| {
+            let lines = HashMap::from([("railspring".to_string(), line.to_string())]);
+            serialize(views.clone(), Some(lines)).expect("names and shapes are plain")
+        };
+        let hash = contents(&line, NO_HASH, &file(&line));
+        file(&line.replacen(NO_HASH, &hash, 1))
     }
 
     /// Reads a file with what [`Element::write`] wrote.
@@ -187,6 +206,9 @@ impl Element {
             return Err(format!("the layout `{format}`"));
         }
         let head: Plain = serde_json::from_str(line).map_err(|cause| cause.to_string())?;
+        if contents(line, &head.contents_blake3, bytes) != head.contents_blake3 {
+            return Err("contents that are not those that were written (contents_blake3)".into());
+        }
         let file = Tensors(SafeTensors::deserialize(bytes).map_err(|cause| cause.to_string())?);
         let strips = file.rows::<5>("strips")?;
         let wheel = ElasticWheel {

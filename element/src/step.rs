@@ -79,7 +79,7 @@ impl Step<'_> {
     /// done where they do so within the tolerance.
     ///
     /// # Errors
-    /// [`NumericsError`] if the iteration does not settle.
+    /// [`NumericsError`] if the iteration does not settle, and for forces that are no numbers.
     pub fn solve(&self, strips: &mut ContactStrips, start: &Meeting, next: &mut Meeting) -> Result<usize> {
         (next.pose, next.beside) = (start.pose, self.beside);
         next.contacts.copy_from(&start.contacts);
@@ -112,7 +112,11 @@ impl Step<'_> {
             let looked = (looks > 0).then(|| self.way(start, &before));
             if next.contacts.hold(&moved, looked, self.friction, self.tolerance) {
                 next.contacts.move_by(&moved);
-                return Ok(looks);
+                let all = &next.contacts.all;
+                return match (all.force.sum() + all.stiffness.sum()).is_finite() {
+                    true => Ok(looks),
+                    false => Err(failure(looks, size, &next.contacts, StopReason::NotFinite)),
+                };
             }
             if length < 1.0 {
                 next.pose = before;

@@ -27,7 +27,10 @@ fn vector(name: &str, of: ArrayView1<'_, f64>) -> PyResult<Vector3<f64>> {
     match of.as_slice() {
         Some(&[y, z, roll]) => Ok(Vector3::new(y, z, roll)),
         _ if of.len() == 3 => Ok(Vector3::new(of[0], of[1], of[2])),
-        _ => Err(PyValueError::new_err(format!("{name}: {} numbers: expected y, z and the rotation about x", of.len()))),
+        _ => Err(PyValueError::new_err(format!(
+            "{name}: {} numbers: expected y, z and the rotation about x",
+            of.len()
+        ))),
     }
 }
 
@@ -98,7 +101,12 @@ impl Element {
         let rail = self.element.rail_at_wheel.as_ref()?;
         let squares = Array1::from_iter(rail.modes.iter().map(|mode| mode.square));
         let sections = Array2::from_shape_fn((rail.modes.len(), 3), |(i, j)| rail.modes[i].section[j]);
-        Some((squares.into_pyarray(py), sections.into_pyarray(py), square(&rail.rest).into_pyarray(py), rail.damping))
+        Some((
+            squares.into_pyarray(py),
+            sections.into_pyarray(py),
+            square(&rail.rest).into_pyarray(py),
+            rail.damping,
+        ))
     }
 
     #[pyo3(signature = (friction=None))]
@@ -205,7 +213,8 @@ impl Contact {
             // a state without a balance leaves the others as they are
             match self.contact.evaluate(&motions) {
                 Ok(forces) => {
-                    (0..3).for_each(|i| (rims[(n, i)], sections[(n, i)]) = (forces.rim[i], forces.section[i]));
+                    (0..3)
+                        .for_each(|i| (rims[(n, i)], sections[(n, i)]) = (forces.rim[i], forces.section[i]));
                     (0..36).for_each(|i| tangents[(n, i / 6, i % 6)] = forces.tangent[(i / 6, i % 6)]);
                 }
                 Err(Error::Numerics(_)) => {
@@ -256,7 +265,10 @@ fn same(
 fn matrix(rest: &Threes<'_>) -> PyResult<Matrix3<f64>> {
     let rest = rest.as_array();
     if rest.shape() != [3, 3] {
-        return Err(PyValueError::new_err(format!("rest: shape {:?}: expected three rows of three", rest.shape())));
+        return Err(PyValueError::new_err(format!(
+            "rest: shape {:?}: expected three rows of three",
+            rest.shape()
+        )));
     }
     Ok(Matrix3::from_fn(|i, j| rest[(i, j)]))
 }

@@ -1,7 +1,9 @@
-//! `railspring._native`: the laws of the library for Python, in N, m and N/m, for numbers and for arrays of any shape, and its contact element.
+//! `railspring._native`: the laws of the library for Python, in N, m and N/m, for numbers and for arrays of any shape, its contact element, and the program.
 
 mod element;
 
+use std::ffi::OsString;
+use std::path::PathBuf;
 
 use numpy::ndarray::ArrayD;
 use numpy::{AllowTypeChange, IntoPyArray, PyArrayLikeDyn, PyReadonlyArray1};
@@ -164,10 +166,17 @@ fn fit_law(forces: PyReadonlyArray1<'_, f64>, tangents: PyReadonlyArray1<'_, f64
     })
 }
 
+/// Runs the program with `arguments`, the first of them its name; its exit code. `file` is this module, `command` what starts the program.
+#[pyfunction]
+fn run_program(py: Python<'_>, arguments: Vec<OsString>, file: PathBuf, command: Option<PathBuf>) -> u8 {
+    railspring::program::is_part_of(file, command);
+    py.detach(|| railspring::cli::run(arguments))
+}
+
 #[pymodule]
 mod _native {
     #[pymodule_export]
     use super::element::{Contact, Element, Unit};
     #[pymodule_export]
-    use super::{Law, LawFit, TableLaw, fit_law};
+    use super::{Law, LawFit, TableLaw, fit_law, run_program};
 }

@@ -418,7 +418,7 @@ pub(crate) fn program() -> Option<&'static str> {
     static HASH: OnceLock<Option<String>> = OnceLock::new();
     HASH.get_or_init(|| {
         let mut hasher = blake3::Hasher::new();
-        hasher.update_reader(std::fs::File::open(std::env::current_exe().ok()?).ok()?).ok()?;
+        hasher.update_reader(std::fs::File::open(crate::program::file()?).ok()?).ok()?;
         Some(hasher.finalize().to_hex().to_string())
     })
     .as_deref()

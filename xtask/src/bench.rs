@@ -15,7 +15,7 @@ use railspring::study::Study;
 use railspring_profiles::error::Error;
 
 use crate::scaling::{self, ScalingRecord, Sweep, sweep};
-use crate::step_times::{self, PEERS_MADE, StepTimesRecord, step_times};
+use crate::step_times::{self, Peers, StepTimesRecord, prepared, step_times};
 
 /// The study that is measured if none is named.
 const DEFAULT: &str = include_str!("../../data/studies/uic60-s1002.toml");
@@ -31,14 +31,16 @@ const FIGURE: &str = "scaling.svg";
 const TIMES_RECORD: &str = "moving.json";
 const TIMES_TABLE: &str = "moving.csv";
 const TIMES_FIGURE: &str = "moving.svg";
+/// Folder of the other programs.
+const PEERS: &str = "peers";
 
 #[derive(Debug, Subcommand)]
 pub enum BenchCommand {
     /// Sweep the solid model over its degrees of freedom: time and memory of mesh, ordering, assembly, factorisation, condensation, modes,
     /// a load and a step in time. Writes scaling.csv, scaling.json and scaling.svg after every size
     Solid(SolidArgs),
-    /// Time a step of the moving solver: the published load case 4.1, a bridge of 25 m beside other programs, and rails of 20 to 10000 beam
-    /// elements. Writes moving.csv, moving.json and moving.svg
+    /// Time a step of the moving solver: the published load case 4.1, a bridge of 25 m, and rails of 20 to 10000 beam elements; with --peers beside
+    /// other programs. Writes moving.csv, moving.json and moving.svg
     Moving(MovingArgs),
 }
 
@@ -54,6 +56,10 @@ pub struct MovingArgs {
     /// A stiffness_by_angle.json of the default study's pair, whose condensed contact element is timed beside the published one
     #[arg(long, value_name = "FILE")]
     element: Option<PathBuf>,
+    /// Time OpenSees' WheelRail on the bridge, and the contact element in hosts in Rust, C, FMPy and Exudyn, in turns with the others. Makes the
+    /// element and installs these programs below the output folder, which takes some minutes
+    #[arg(long, conflicts_with = "element")]
+    peers: bool,
     /// Output folder
     #[arg(short, long, value_name = "DIR", default_value = "out/bench-moving")]
     output: PathBuf,
@@ -122,16 +128,24 @@ pub fn run(command: &BenchCommand) -> Result<(), Failure> {
 
 /// Times steps of the moving solver on the profiles of a study.
 fn moving(args: &MovingArgs, study: &Study) -> Result<(), Error> {
-    let element =
-        args.element.as_ref().map(|file| springs::element_of(&SpringsInput::of(study), file)).transpose()?;
+    let read = |file: &PathBuf| springs::element_of(&SpringsInput::of(study), file);
+    let given = args.element.as_ref().map(read).transpose()?;
     let folder = OutputFolder::create(&args.output)?;
     let _claim = folder.claim()?;
     let progress = Progress::new(args.quiet);
-    let record = step_times(study, element.as_ref(), args.to as usize, args.repeats.into(), &progress)?;
+    let (element, others) = match args.peers {
+        true => {
+            let Peers { element, list } = prepared(&folder.path().join(PEERS), &progress)?;
+            (Some(read(&element)?), list)
+        }
+        false => (given, Vec::new()),
+    };
+    let (most, repeats) = (args.to as usize, args.repeats.into());
+    let record = step_times(study, element.as_ref(), &others, most, repeats, &progress)?;
     progress.finish();
     folder.write_json(TIMES_RECORD, &record)?;
     folder.write(TIMES_TABLE, &record.csv())?;
-    folder.write(TIMES_FIGURE, step_times::figure::figure(&record, PEERS_MADE).as_bytes())?;
+    folder.write(TIMES_FIGURE, step_times::figure::figure(&record).as_bytes())?;
     if !args.quiet {
         for line in table(&record) {
             say(&line)?;
@@ -153,16 +167,11 @@ fn table(record: &StepTimesRecord) -> Vec<String> {
         let own = format!("{} element, {steps:.1} steps of {iterations:.1} iterations", time.element);
         lines.push(format!("{case:<18}{elements:>9}  {own:<48}{:>16.1}", time.microseconds));
         for peer in record.peers_of(case, elements) {
-            let range = |[least, most]: [f64; 2], digits: usize| match least == most {
-                true => format!("{least:.digits$}"),
-                false => format!("{least:.digits$} to {most:.digits$}"),
-            };
-            let both = [peer.least_microseconds, peer.most_microseconds];
-            let ratio = range(both.map(|peer| peer / time.microseconds), 0);
-            lines.push(format!("{:<27}  {:<48}{:>16}  {ratio}", "", peer.program, range(both, 0)));
+            let ratio = peer.microseconds / time.microseconds;
+            lines.push(format!("{:<27}  {:<48}{:>16.1}  {ratio:.1}", "", peer.program, peer.microseconds));
         }
     }
-    lines.push(format!("{}, shortest of {} runs. {PEERS_MADE}.", record.clock, record.repeats));
+    lines.push(format!("{}, shortest of {} runs, all in turns.", record.clock, record.repeats));
     lines
 }
 

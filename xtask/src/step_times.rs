@@ -1,11 +1,11 @@
-//! How long a step of the moving solver takes: the published load case, a bridge that other programs were timed on, and rails of more and
-//! more elements.
+//! How long a step of the moving solver takes: the published load case, a bridge, and rails of more and more elements; and how long other programs take for the same.
 //!
-//! The cases take turns on one thread, and of each the run with the least CPU time counts: what else the machine does lengthens a run and never
+//! The cases take turns on one thread, with the other programs between them, and of each the run with the least CPU time counts: what else the machine does lengthens a run and never
 //! shortens it.
 
 mod clock;
 mod record;
+mod peers;
 pub mod figure;
 
 use std::time::Instant;
@@ -27,13 +27,17 @@ use railspring_simulate::time::scenario::Scenario;
 use railspring_simulate::time::steps::InnerSteps;
 use record::{PeerTime, StepTime};
 
+pub use peers::{Peer, Peers, prepared};
 pub use record::StepTimesRecord;
 
 /// Names of the cases.
 const LOAD_CASE: &str = "load case 4.1";
 /// The same with the steps of the integration that a study has.
 const AS_IN_STUDIES: &str = "4.1 as in a study";
-/// The span that other programs were timed on.
+/// The same in as many steps as a host of the element takes, whose time is that of such a step.
+const HOSTED: &str = "4.1 in equal steps";
+const HOSTED_STEPS: usize = 16;
+/// A span for vehicles.
 const BRIDGE: &str = "bridge of 25 m";
 /// Rails of elements of a decimetre.
 const RAIL: &str = "rail";
@@ -88,36 +92,25 @@ impl Model {
     }
 }
 
-/// Times of other programs: OpenSees, CPU time a step on two cores with other work beside.
-const PEERS: [(&str, usize, [f64; 2]); 6] = [
-    ("OpenSees WheelRail, 2D, no friction", 20, [302.0, 329.0]),
-    ("OpenSees WheelRail, 2D, no friction", 40, [854.0, 1106.0]),
-    ("OpenSees WheelRail, 2D, no friction", 80, [3666.0, 4385.0]),
-    ("OpenSees 3D beams, contact spring, lumped mass", 20, [360.0, 360.0]),
-    ("OpenSees 3D beams, contact spring", 20, [1228.0, 1255.0]),
-    ("OpenSees 3D beams, contact spring", 200, [13_200.0, 13_200.0]),
-];
-
-/// How the times of other programs were made.
-pub const PEERS_MADE: &str =
-    "OpenSees: measured earlier on two shared cores, CPU time a step, not in this run";
-
 /// A model with what happens to it.
 struct Case {
     name: &'static str,
     elements: usize,
     model: Model,
     scenario: Scenario,
+    /// Steps whose time is taken.
+    steps: usize,
 }
 
 /// Times the cases on the profiles of `study`, whose load case `constant` is that of the publication, `repeats` runs each, rails of `most` elements at most: with the published
-/// element, and with a condensed one where that is given.
+/// element, and with a condensed one where that is given; `others` run as many times.
 ///
 /// # Errors
 /// Those of the runs, a study without the load case, and an interruption.
 pub fn step_times(
     study: &Study,
     element: Option<&PairElement>,
+    others: &[Peer],
     most: usize,
     repeats: usize,
     monitor: &dyn Monitor,
@@ -129,54 +122,66 @@ pub fn step_times(
         clock: if thread_seconds().is_some() { "CPU time" } else { "wall clock" }.into(),
         repeats,
         times: Vec::new(),
-        peers: peers(),
+        peers: Vec::new(),
     };
+    let others: Vec<&Peer> = others.iter().filter(|peer| peer.elements <= most).collect();
     let mut seconds = vec![Vec::new(); cases.len()];
-    let total = repeats * cases.len();
+    let mut of_others = vec![Vec::new(); others.len()];
+    let (round, mut done) = (cases.len() + others.len(), 0..);
+    let mut next = || monitor.progress("runs", done.next().unwrap_or(0), repeats * round);
     for repeat in 0..repeats {
         for (n, case) in cases.iter().enumerate() {
-            monitor.progress("runs", repeat * cases.len() + n, total)?;
+            next()?;
             let (begun, computed) = (Instant::now(), thread_seconds());
             let run = case.model.run(&case.scenario)?;
             let computed = thread_seconds().zip(computed).map(|(after, before)| after - before);
             let of_run = computed.unwrap_or_else(|| begun.elapsed().as_secs_f64());
-            seconds[n].push(of_run * 1e6 / case.scenario.steps as f64);
+            seconds[n].push(of_run * 1e6 / case.steps as f64);
             if repeat + 1 == repeats {
                 record.times.push(time(case, &run, &mut seconds[n]));
             }
         }
+        for (times, peer) in of_others.iter_mut().zip(&others) {
+            next()?;
+            times.push(peer.microseconds()?);
+        }
     }
-    monitor.progress("runs", total, total)?;
+    next()?;
+    record.peers.extend(others.into_iter().zip(&mut of_others).map(|(peer, times)| {
+        let [microseconds, median_microseconds, longest_microseconds] = spread(times);
+        PeerTime {
+            case: peer.case.into(),
+            program: peer.program.into(),
+            elements: peer.elements,
+            microseconds,
+            median_microseconds,
+            longest_microseconds,
+        }
+    }));
     Ok(record)
+}
+
+/// Shortest, median and longest of times.
+fn spread(times: &mut [f64]) -> [f64; 3] {
+    times.sort_by(f64::total_cmp);
+    [0, times.len() / 2, times.len() - 1].map(|n| times[n])
 }
 
 /// What came of the runs of a case; `microseconds` are those a step of each run.
 fn time(case: &Case, run: &MovingRun, microseconds: &mut [f64]) -> StepTime {
-    microseconds.sort_by(f64::total_cmp);
+    let [microseconds, median_microseconds, longest_microseconds] = spread(microseconds);
     StepTime {
         case: case.name.into(),
         element: case.model.element().name().into(),
         elements: case.elements,
-        steps: case.scenario.steps,
+        steps: case.steps,
         degrees_of_freedom: run.history.degrees_of_freedom,
-        inner_steps: run.statistics.steps as f64 / case.scenario.steps as f64,
+        inner_steps: run.statistics.steps as f64 / case.steps as f64,
         iterations: run.statistics.iterations as f64 / run.statistics.steps as f64,
-        microseconds: microseconds[0],
-        median_microseconds: microseconds[microseconds.len() / 2],
-        longest_microseconds: microseconds[microseconds.len() - 1],
+        microseconds,
+        median_microseconds,
+        longest_microseconds,
     }
-}
-
-fn peers() -> Vec<PeerTime> {
-    let of =
-        |&(program, elements, [least_microseconds, most_microseconds]): &(&str, usize, [f64; 2])| PeerTime {
-            case: BRIDGE.into(),
-            program: program.into(),
-            elements,
-            least_microseconds,
-            most_microseconds,
-        };
-    PEERS.iter().map(of).collect()
 }
 
 fn cases(study: &Study, element: Option<&PairElement>, most: usize) -> Result<Vec<Case>> {
@@ -193,22 +198,25 @@ fn cases(study: &Study, element: Option<&PairElement>, most: usize) -> Result<Ve
     };
     let beam = geometry.beam.clone();
     let mut cases = Vec::new();
-    for name in [LOAD_CASE, AS_IN_STUDIES] {
+    for name in [LOAD_CASE, AS_IN_STUDIES, HOSTED] {
         for model in models(study, &geometry, &beam, element) {
-            let inner_steps = match name {
-                AS_IN_STUDIES => study.simulation.steps(model.element()),
-                _ => InnerSteps::Equal(1),
+            let (inner_steps, of_each) = match name {
+                AS_IN_STUDIES => (study.simulation.steps(model.element()), 1),
+                HOSTED => (InnerSteps::Equal(HOSTED_STEPS), HOSTED_STEPS),
+                _ => (InnerSteps::Equal(1), 1),
             };
             let scenario =
                 Scenario { inner_steps, wheel_mass: Some(WHEEL_MASS), ..constant.scenario.clone() };
-            cases.push(Case { name, elements: beam.elements(), model, scenario });
+            let steps = of_each * scenario.steps;
+            cases.push(Case { name, elements: beam.elements(), model, scenario, steps });
         }
     }
     let mut add = |name, elements, beam: &RailBeam, scenario: Scenario| -> Result<()> {
         for mut model in models(study, &geometry, beam, element) {
             model.settle(&scenario)?;
             let scenario = Scenario { wheel_mass: Some(WHEEL_MASS), ..scenario.clone() };
-            cases.push(Case { name, elements, model, scenario });
+            let steps = scenario.steps;
+            cases.push(Case { name, elements, model, scenario, steps });
         }
         Ok(())
     };

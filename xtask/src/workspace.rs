@@ -116,7 +116,10 @@ fn folder(file: &Value) -> PathBuf {
 }
 
 /// Standard output of cargo in the root of the workspace; what it says besides goes to the terminal.
-fn cargo(arguments: &[&str]) -> Result<String> {
+///
+/// # Errors
+/// What cargo cannot do.
+pub fn cargo(arguments: &[&str]) -> Result<String> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let refused =
         |cause: String| InputError::new("cargo", arguments.join(" "), "a command that cargo can do", cause);

@@ -160,11 +160,10 @@ fn wrong_sizes_are_refused() {
     assert_eq!(left.len(), 1, "{left:?}");
 }
 
-/// Source: the counts of the cases, and the times of OpenSees in `docs/step-times.md`. Goal: with rails of a hundred elements at most every case has a time (µs) of its steps that lies
-/// between those of its shortest and its longest run; table, record and figure have all of them, with the other programs' beside the bridges of as many
-/// elements and how many times as long they take. No limit on a time.
+/// Source: the counts of the cases. Goal: with rails of a hundred elements at most every case has a time (µs) of its steps that lies
+/// between those of its shortest and its longest run; table, record and figure have all of them. No limit on a time.
 #[test]
-fn steps_of_the_moving_solver_are_timed_beside_other_programs() {
+fn steps_of_the_moving_solver_are_timed() {
     let root = tempfile::tempdir().unwrap();
     let arguments = ["--to", "100", "--repeats", "3", "-o", "out"];
     let (code, said, heard) = bench_of("moving", root.path(), &arguments);
@@ -178,7 +177,7 @@ fn steps_of_the_moving_solver_are_timed_beside_other_programs() {
         .map(|time| (time["case"].as_str().unwrap(), time["elements"].as_u64().unwrap()))
         .collect();
     let bridge = "bridge of 25 m";
-    let load_cases = [("load case 4.1", 20), ("4.1 as in a study", 20)];
+    let load_cases = [("load case 4.1", 20), ("4.1 as in a study", 20), ("4.1 in equal steps", 20)];
     let rails = [(bridge, 20), (bridge, 40), (bridge, 80), ("rail", 20), ("rail", 100)];
     assert_eq!(names, [&load_cases[..], &rails].concat());
     for time in times {
@@ -189,24 +188,40 @@ fn steps_of_the_moving_solver_are_timed_beside_other_programs() {
         // a step that changes anything has an iteration
         assert!(of("iterations") >= 1.0 && of("steps") >= 550.0, "{time}");
     }
-    let peer = |line: &&str| line.contains("OpenSees WheelRail") && line.contains("854 to 1106");
-    let line = said.lines().find(peer).unwrap_or_else(|| panic!("{said}"));
-    let ratio = line.rsplit("  ").next().unwrap();
-    let own = number(&times[3]["microseconds"]);
-    assert_eq!(ratio.trim(), format!("{:.0} to {:.0}", 854.0 / own, 1106.0 / own), "{line}");
-    assert!(said.contains("not in this run") && said.trim_end().ends_with("out"), "{said}");
-    let table = text("moving.csv");
-    let peers = found["peers"].as_array().unwrap().len();
-    assert_eq!(table.lines().count(), 1 + times.len() + peers);
-    assert!(table.contains("bridge of 25 m,\"OpenSees WheelRail, 2D, no friction\",20,302.0,329.0,,,false"));
+    assert!(said.contains("all in turns") && said.trim_end().ends_with("out"), "{said}");
+    assert_eq!(text("moving.csv").lines().count(), 1 + times.len());
+    assert_eq!(found["peers"].as_array().unwrap().len(), 0);
     let figure = text("moving.svg");
-    for words in ["beam elements", "time of a step (\u{b5}s)", "rail, published element", "measured earlier"]
-    {
+    for words in ["beam elements", "time of a step (\u{b5}s)", "rail, published element", "in turns"] {
         assert!(figure.contains(words), "{words}");
     }
     let (code, _, heard) = bench_of("moving", root.path(), &["--to", "10", "-o", "deep/out"]);
     assert!(code == Some(2) && heard.contains("20..=10000"), "{heard}");
     assert!(!root.path().join("deep").exists());
+}
+
+/// Source: OpenSees (WheelRail), FMPy and Exudyn from the package index, and hosts in Rust and C. Goal: each runs its case in turns with this program's own, and record, table and what is printed have its time
+/// (µs a step) under that of the same case, with the ratio. No limit on a time.
+#[test]
+#[ignore = "some minutes, and packages of 300 MB: cargo long other_programs_are_timed"]
+fn other_programs_are_timed_in_the_same_run() {
+    let root = tempfile::tempdir().unwrap();
+    let (code, said, heard) =
+        bench_of("moving", root.path(), &["--to", "20", "--repeats", "1", "-o", "out", "--peers"]);
+    assert_eq!(code, Some(0), "{heard}");
+    let text = |name: &str| std::fs::read_to_string(root.path().join("out").join(name)).unwrap();
+    let found: Value = serde_json::from_str(&text("moving.json")).unwrap();
+    let (times, peers) = (found["times"].as_array().unwrap(), found["peers"].as_array().unwrap());
+    let names: Vec<_> = peers.iter().map(|peer| peer["program"].as_str().unwrap()).collect();
+    assert_eq!(names.len(), 7, "{names:?}");
+    assert_eq!(text("moving.csv").lines().count(), 1 + times.len() + peers.len());
+    for peer in peers {
+        let own: Vec<&Value> = times.iter().filter(|time| time["case"] == peer["case"]).collect();
+        assert_eq!(own.len(), 2, "{peer}");
+        let line = said.lines().find(|line| line.contains(peer["program"].as_str().unwrap())).unwrap();
+        let ratio = number(&peer["microseconds"]) / number(&own[0]["microseconds"]);
+        assert!(line.ends_with(&format!("  {ratio:.1}")) && ratio > 0.0, "{line}");
+    }
 }
 
 /// Goal: with laws by contact angle of the default pair, every case is timed with both contact elements in turn; a file without an element is refused with its name.
@@ -233,7 +248,7 @@ fn both_contact_elements_are_timed() {
         .iter()
         .map(|time| (time["case"].as_str().unwrap(), time["element"].as_str().unwrap()))
         .collect();
-    let cases = ["load case 4.1", "4.1 as in a study", "bridge of 25 m", "rail"];
+    let cases = ["load case 4.1", "4.1 as in a study", "4.1 in equal steps", "bridge of 25 m", "rail"];
     let both = cases.iter().flat_map(|case| [(*case, "published"), (*case, "condensed")]);
     assert_eq!(names, both.collect::<Vec<_>>());
     for time in times {

@@ -33,17 +33,23 @@ fn changed(bytes: &[u8], from: &str, to: &str) -> Vec<u8> {
 fn files_of_no_element_are_refused() {
     let bytes = element().write();
     let said = |bytes: &[u8]| Element::read(bytes).unwrap_err().to_string();
-    let other = said(&changed(&bytes, "railspring element 1", "railspring element 9"));
+    let other = said(&changed(&bytes, "railspring element 2", "railspring element 9"));
     assert!(other.contains("`railspring element 9`") && other.contains("`railspring element`"), "{other}");
     for length in [0, 7, 100, bytes.len() / 2, bytes.len() - 1] {
         assert!(said(&bytes[..length]).contains("layout"), "{length}");
     }
     for (from, to, wanted) in [
         ("wheel_damping_s", "wheel_damping_x", "unknown field"),
-        ("\\\"friction\\\":0.4", "\\\"friction\\\":999", "friction"),
+        ("\\\"friction\\\":0.4", "\\\"friction\\\":0.3", "not those that were written"),
     ] {
         let message = said(&changed(&bytes, from, to));
         assert!(message.contains(wanted), "{message}");
+    }
+    // one bit of any number
+    for at in (bytes.len() - 2000..bytes.len()).step_by(97) {
+        let mut flipped = bytes.clone();
+        flipped[at] ^= 1;
+        assert!(said(&flipped).contains("contents_blake3"), "{at}");
     }
     let wrong = |change: &dyn Fn(&mut Element)| {
         let mut element = element();
@@ -53,6 +59,7 @@ fn files_of_no_element_are_refused() {
     assert!(wrong(&|e| e.wheel.mass[(1, 1)] = -1.0).contains("mass is not positive"));
     assert!(wrong(&|e| e.wheel.modes[0].square = 0.0).contains("wheel that does not resist"));
     assert!(wrong(&|e| e.wheel.rest[(0, 0)] = f64::NAN).contains("wheel.rest with the value NaN"));
+    assert!(wrong(&|e| e.friction = 999.0).contains("friction"));
     assert!(wrong(&|e| e.strips.influence.flexibility = -1.0).contains("relief"));
     assert!(wrong(&|e| e.tape.x = 1e6).contains("out of range"));
 }

@@ -4,9 +4,14 @@ Results are read with `Study.read`, `Calibration.read`, `Table.read` and `read_h
 is evaluated by the library itself, and so is an `Element`, the contact of a pair for programs with an integration of their own. Lengths, forces and stiffness of laws are in m, N and N/m; columns and keys of files have their units in their names.
 """
 
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
 from ._native import Contact, Element, Law, LawFit, TableLaw, Unit, fit_law
-from .program import ProgramError, calibrate, element, fit, make_table, run
-from .results import Calibration, History, Study, Table, averaged_ratio, read_history
+
+if TYPE_CHECKING:
+    from .program import ProgramError, calibrate, element, fit, make_table, run
+    from .results import Calibration, History, Study, Table, averaged_ratio, read_history
 
 __all__ = [
     "Calibration",
@@ -29,3 +34,18 @@ __all__ = [
     "read_history",
     "run",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    # pandas takes half a second, which the program does without
+    if name in __all__:
+        for module in ("program", "results"):
+            found = getattr(import_module(f".{module}", __name__), name, None)
+            if found is not None:
+                globals()[name] = found
+                return found
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *__all__])

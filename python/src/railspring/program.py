@@ -1,12 +1,13 @@
 """The program, started from Python: it makes what `results` reads.
 
-It is looked for under `RAILSPRING`, else on the search path; `cargo install --path .` puts it there. Keys of a study are given as `keys={"contact.friction": 0.3}`.
+It is that of this package, unless `RAILSPRING` or `program=` names another one. Keys of a study are given as `keys={"contact.friction": 0.3}`.
 """
 
 import json
 import os
 import shutil
 import subprocess
+import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -23,12 +24,14 @@ class ProgramError(RuntimeError):
         self.code = code
 
 
-def _program(program: AnyPath | None) -> str:
-    wanted = os.fspath(program or os.environ.get("RAILSPRING") or "railspring")
+def _program(program: AnyPath | None) -> list[str]:
+    wanted = os.fspath(program or os.environ.get("RAILSPRING") or "")
+    if not wanted:
+        return [sys.executable, "-P", "-m", "railspring"]  # -P: not one of the working folder
     found = shutil.which(wanted)
     if found is None:
-        raise FileNotFoundError(f"{wanted} is not there: install it with `cargo install --path .`, or name it with RAILSPRING or program=")
-    return found
+        raise FileNotFoundError(f"{wanted} is not there: leave RAILSPRING and program= out, and the program is that of this package")
+    return [found]
 
 
 def _value(value: Any) -> str:
@@ -41,7 +44,7 @@ def _started(
     arguments: list[str], program: AnyPath | None, keys: Mapping[str, Any] | None, cache: AnyPath | None
 ) -> dict[str, Any]:
     """Runs the program; what it says as JSON. A limit of the study or of a table that does not hold (code 1) is a result."""
-    command = [_program(program), *arguments, "--json"]
+    command = [*_program(program), *arguments, "--json"]
     for key, value in (keys or {}).items():
         command += ["--set", f"{key}={_value(value)}"]
     if cache is not None:

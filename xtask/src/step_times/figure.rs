@@ -16,8 +16,8 @@ const OTHERS: [(RGBColor, Dash, Marker); 3] = [
     (DARK_RED, Dash::Dashed, Marker::Square),
 ];
 
-/// Microseconds a step over the elements, with how the numbers of others were made.
-pub fn figure(record: &StepTimesRecord, peers_made: &str) -> String {
+/// Microseconds a step over the elements.
+pub fn figure(record: &StepTimesRecord) -> String {
     let mut series = Vec::new();
     let names = || record.times.iter().map(|time| (time.case.as_str(), time.element.as_str()));
     let place = |of: Vec<&str>, name: &str| of.iter().position(|known| *known == name).unwrap_or(0);
@@ -39,7 +39,7 @@ pub fn figure(record: &StepTimesRecord, peers_made: &str) -> String {
         distinct(programs).into_iter().zip(OTHERS.into_iter().cycle())
     {
         let of = record.peers.iter().filter(|peer| peer.case == case && peer.program == program);
-        let points = of.map(|peer| (peer.elements as f64, peer.least_microseconds)).collect();
+        let points = of.map(|peer| (peer.elements as f64, peer.microseconds)).collect();
         series.push(Series::joined(&format!("{case}, {program}"), points, color, dash, marker));
     }
     let panel = Panel {
@@ -49,14 +49,11 @@ pub fn figure(record: &StepTimesRecord, peers_made: &str) -> String {
         series,
     };
     let processor = record.machine.processor.as_deref().unwrap_or("unknown processor");
-    let notes = [
-        format!(
-            "{processor}, {} cores; {}, shortest of {} runs on one thread.",
-            record.machine.cores, record.clock, record.repeats
-        ),
-        format!("{peers_made}."),
-    ];
-    stacked_logarithmic(WIDTH, 420, &[panel], &notes)
+    let note = format!(
+        "{processor}, {} cores; {}, shortest of {} runs on one thread, all in turns.",
+        record.machine.cores, record.clock, record.repeats
+    );
+    stacked_logarithmic(WIDTH, 420, &[panel], &[note])
 }
 
 /// Names in their order, each once.

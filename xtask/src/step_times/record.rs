@@ -4,7 +4,7 @@ use railspring::engine::measured::MachineRecord;
 use railspring::engine::output::to_csv;
 use serde::{Deserialize, Serialize};
 
-/// `moving.json`: every case that was timed, and what is known of other programs.
+/// `moving.json`: every case that was timed, and the same by other programs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StepTimesRecord {
     /// When the runs began, UTC.
@@ -17,7 +17,7 @@ pub struct StepTimesRecord {
     pub repeats: usize,
     /// The cases, of each element in turn.
     pub times: Vec<StepTime>,
-    /// Steps of other programs, measured elsewhere.
+    /// Steps of other programs, timed in turns with these; none where they were not asked for.
     pub peers: Vec<PeerTime>,
 }
 
@@ -32,7 +32,7 @@ pub struct StepTime {
     pub elements: usize,
     /// Degrees of freedom.
     pub degrees_of_freedom: usize,
-    /// Time steps of the history of a run.
+    /// Time steps of the history of a run; in the case of a host all of the integration.
     pub steps: usize,
     /// Steps of the integration in each of them, on the average.
     pub inner_steps: f64,
@@ -53,12 +53,14 @@ pub struct PeerTime {
     pub case: String,
     /// Program and its elements.
     pub program: String,
-    /// Beam elements of the rail.
+    /// Beam elements of the rail; of a host those of the study, whose modes it has.
     pub elements: usize,
-    /// Shortest and longest of the measurements, µs a step.
-    pub least_microseconds: f64,
+    /// Time of its shortest run over its steps, without preparation, µs.
+    pub microseconds: f64,
+    /// The median of the runs, µs a step.
+    pub median_microseconds: f64,
     /// The longest, µs a step.
-    pub most_microseconds: f64,
+    pub longest_microseconds: f64,
 }
 
 /// A row of `moving.csv`.
@@ -71,7 +73,6 @@ struct Row<'a> {
     most_us_a_step: f64,
     integration_steps_a_step: Option<f64>,
     iterations_a_step: Option<f64>,
-    measured_here: bool,
 }
 
 impl StepTimesRecord {
@@ -90,17 +91,15 @@ impl StepTimesRecord {
             most_us_a_step: time.longest_microseconds,
             integration_steps_a_step: Some(time.inner_steps),
             iterations_a_step: Some(time.inner_steps * time.iterations),
-            measured_here: true,
         });
         let others = self.peers.iter().map(|peer| Row {
             case: &peer.case,
             program: &peer.program,
             elements: peer.elements,
-            least_us_a_step: peer.least_microseconds,
-            most_us_a_step: peer.most_microseconds,
+            least_us_a_step: peer.microseconds,
+            most_us_a_step: peer.longest_microseconds,
             integration_steps_a_step: None,
             iterations_a_step: None,
-            measured_here: false,
         });
         to_csv(&own.chain(others).collect::<Vec<_>>())
     }
