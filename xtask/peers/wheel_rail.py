@@ -4,27 +4,32 @@ Bridge and wheel are `bridge` and `crossing` of simulate/src/cases.rs, and the w
 xtask/src/step_times.rs. The wheel starts in static balance above the first support. Then it crosses the bridge in
 steps of average acceleration. The time is the CPU time of one `analyze` call for all steps, without recorders.
 
-WheelRail is an element of OpenSees (Gu, Liu and others, SRC/element/wheelRail/WheelRail.cpp):
+WheelRail is an element of OpenSees (Quan Gu, Yongdou Liu and others, WheelRail.cpp). What it does, by its source:
 - It is plane, and joins the wheel's node with all nodes of the rail. It fills a dense matrix of all their motions.
-- Contact is Hertz's law with Zhai's coefficient for a conical tread: 4.57e-8 R^-0.149 m/N^(2/3). Only the radius enters.
+- Contact is Hertz's law with a fixed coefficient: 4.57e-8 R^-0.149 m/N^(2/3). Only the wheel's radius R enters.
 - It has no friction, no profiles and no lateral motion.
 - It adds the deflection of the loaded beam element that cubic shapes leave out.
 
-The model is made as quick as its results allow:
-- The rail's motion along the track is held. Nothing drives it, and the results stay the same to nine digits. With it a
-  step takes 1.1 times as long with 20 elements, 1.6 times with 40 and 80.
-- BandSPD solves the equations. All nodes hang together, so that the band is full. On 20 elements it was the quickest:
-  BandGeneral and FullGeneral took 1.3 times as long, SparseSYM 1.5, ProfileSPD 2, SuperLU 3, UmfPack 3.4.
+The model is made as quick as its results allow. Ratios are those of 20 to 80 elements:
+- The rail's motion along the track is held. Nothing drives it, and the force stays the same to ten digits. With it a
+  step takes 1.1 to 2.5 times as long.
+- BandSPD solves the equations, and was the quickest. All nodes hang together, so that the band is full.
+  FullGeneral took 1.0 to 1.2 times as long, BandGeneral 1.1 to 1.5, ProfileSPD 1.4 to 3.4. The sparse ones were
+  slower: SuperLU 1.9 to 3.5, UmfPack 2.2 to 5.
 - Newton's method ends at an increment of 1e-8 m (Euclidean norm). That takes two iterations. A smaller limit changes
-  the force by less than 1e-6 N. ModifiedNewton takes 0.7 times as long, and its forces differ by up to 3 mN.
+  the force by less than 1e-6 N. ModifiedNewton takes 0.7 to 0.8 times as long, and its forces differ by up to 3 mN.
 
-The bridge is undamped. In railspring's run it has the damping of the study's rail, 6.4e-6 s times its stiffness. That
-changes the largest deflection by some 1e-6 of it.
+The bridge is undamped. In railspring's run it has the damping of the study's rail, 6.4e-6 s times its stiffness. In a
+modal solution that changes the largest deflection by 1.4e-4 of it, and the force by up to 80 N.
 
 Usage: python wheel_rail.py ELEMENTS [--history FILE]
 ELEMENTS is even, so that a node is at midspan. The last line is the time: `230.1 us a step`.
-With --history the case is run again. The file has a row for the start and for the end of each step: time_s,
-midspan_m (down, from the bridge without the wheel) and p_n (contact force). SI units.
+With --history the case is run again. FILE is CSV with a row for the start and one for the end of each step:
+- time_s,
+- midspan_m, the deflection at midspan, down, from the bridge without the wheel,
+- p_n, the contact force.
+
+SI units.
 Needs opensees (0.1.32, Linux on x86-64), numpy, and a Python with tkinter, for its Tcl. openseespy has no WheelRail.
 """
 import argparse
@@ -34,7 +39,7 @@ import time as clock
 for threads in ('OPENBLAS_NUM_THREADS', 'OMP_NUM_THREADS'):
     os.environ.setdefault(threads, '1')  # CPU time counts every thread
 
-import opensees.openseespy as ops  # noqa: E402
+import opensees.openseespy as ops
 
 YOUNG, SECOND_MOMENT, MASS, LENGTH = 3.5e10, 1.3901, 18_358.0, 25.0  # Pa, m4, kg/m, m
 AXIAL = 1e12  # N

@@ -2,11 +2,11 @@
 //!
 //! [`main`] runs a command, [`command`] describes all of them, and [`ignored_tests`] lists the long tests.
 
+mod workspace;
 mod scaling;
 mod step_times;
 mod bench;
 mod reference;
-mod workspace;
 mod ignored;
 mod long;
 mod half_space;

@@ -25,7 +25,7 @@ use railspring_simulate::element::condensed::CondensedModel;
 use railspring_simulate::element::published::{MovingModel, MovingRun, WheelSprings};
 use railspring_simulate::time::scenario::Scenario;
 use railspring_simulate::time::steps::InnerSteps;
-use record::{PeerTime, StepTime};
+use record::{BRIDGE, HOSTED, HOSTED_STEPS, PeerTime, StepTime};
 
 pub use peers::{Peer, Peers, prepared};
 pub use record::StepTimesRecord;
@@ -34,11 +34,6 @@ pub use record::StepTimesRecord;
 const LOAD_CASE: &str = "load case 4.1";
 /// The same with the steps of the integration that a study has.
 const AS_IN_STUDIES: &str = "4.1 as in a study";
-/// The same in as many steps as a host of the element takes, whose time is that of such a step.
-const HOSTED: &str = "4.1 in equal steps";
-const HOSTED_STEPS: usize = 16;
-/// A span for vehicles.
-const BRIDGE: &str = "bridge of 25 m";
 /// Rails of elements of a decimetre.
 const RAIL: &str = "rail";
 

@@ -2,8 +2,8 @@
  *
  * Build and run:
  *   cc -std=c99 -O2 conformance*.c -L. -lrailspring_c -lm -lpthread -o conformance
- *   ./conformance pair.rse vectors.csv [RELATIVE_TOLERANCE]     repeats the vectors, then runs all checks
- *   ./conformance --write pair.rse >vectors.csv                 writes vectors
+ *   ./conformance pair.rse vectors.json [RELATIVE_TOLERANCE]     repeats the vectors, then runs all checks
+ *   ./conformance --write pair.rse >vectors.json                 writes vectors
  * The exit status is 0 where everything holds. conformance_vectors.c describes the vectors.
  *
  * The files: conformance_vectors.c; conformance_errors.c (input that is refused); conformance_motions.c (motions out of

@@ -1,11 +1,13 @@
 /* Test vectors of the conformance program: 160 states of contacts and 40 of units.
  *
- * A vector is a line with commas. A line that begins with # is a comment. The first word says what to do:
- *   contact,COEFFICIENT             makes a contact; nan is the study's coefficient of friction
- *   rest,NINE VALUES                gives it the section's flexibility by rows
- *   start|try|step,STATE            calls railspring_contact_start, _evaluate, or _evaluate and then _commit
- *   unit,COEFFICIENT,GRAVITY        makes a unit
- *   unit_start|unit_try|unit_step,UNIT STATE   the same for the unit
+ * They are an array of JSON, in which each vector is an array on a line of its own. Its first word says what to do:
+ *   "comment", TEXT                  nothing
+ *   "contact", COEFFICIENT           makes a contact; null is the study's coefficient of friction
+ *   "rest", NINE VALUES              gives it the section's flexibility by rows
+ *   "start"|"try"|"step", STATE      calls railspring_contact_start, _evaluate, or _evaluate and then _commit
+ *   "unit", COEFFICIENT, GRAVITY     makes a unit
+ *   "unit_start"|"unit_try"|"unit_step", UNIT STATE   the same for the unit
+ *   "end"                            nothing
  * A STATE has 49 numbers: rim y, z, rotation; section y, z, rotation; place; six forces; 36 of the tangent by rows.
  * A UNIT STATE has 23: `bent` or the step's length (s); hub and its velocity; section and its velocity; place; nine forces.
  *
@@ -35,9 +37,9 @@ static void values_of_unit(double first, const RailspringHost *host, const Rails
 
 static void write_line(const char *action, int count, const double *values)
 {
-    printf("%s", action);
-    for (int i = 0; i < count; i++) printf(",%.17g", values[i]);
-    printf("\n");
+    printf("[\"%s\"", action);
+    for (int i = 0; i < count; i++) isnan(values[i]) ? printf(",null") : printf(",%.17g", values[i]);
+    printf("],\n");
 }
 
 /* Four paths of ten states; on each path friction sticks and slides, and the last state is far from the others. */
@@ -107,27 +109,33 @@ void write_vectors(const RailspringElement *element, const RailspringAbout *abou
 {
     static const double rest[9] = {2e-10, 1e-11, 1e-9, 1e-11, 1e-10, 2e-10, 1e-9, 2e-10, 2e-8};
     uint64_t state = 1;
-    printf("# contact: rim y, z (m), rotation; section y, z (m), rotation; place (m); six forces (N, N m); 36 of the tangent\n");
-    printf("# unit: bent or length (s); hub; its velocity; section; its velocity; place; hub, section and rim forces (N, N m)\n");
+    printf("[\n[\"comment\",\"contact: rim y, z (m), rotation; section y, z (m), rotation; place (m); six forces (N, N m); 36 of the tangent\"],\n");
+    printf("[\"comment\",\"unit: bent or length (s); hub; its velocity; section; its velocity; place; hub, section and rim forces (N, N m)\"],\n");
     write_contact(element, about, NAN, NULL, &state);
     write_contact(element, about, NAN, rest, &state);
     write_contact(element, about, 0.3, NULL, &state);
     write_contact(element, about, 0.0, NULL, &state);
     write_unit(element, about, 0.0, 0.0, &state);
     write_unit(element, about, 1.0, 9.81, &state);
+    printf("[\"end\"]\n]\n");
 }
 
-/* Reads `count` numbers after commas; 0 where they are not there. */
+/* Reads `count` numbers after commas to the end of an array; 0 where they are not there. */
 static int numbers(const char *text, int count, double *to)
 {
     for (int i = 0; i < count; i++) {
         char *end;
         if (*text++ != ',') return 0;
+        if (!strncmp(text, "null", 4)) {
+            to[i] = NAN;
+            text += 4;
+            continue;
+        }
         to[i] = strtod(text, &end);
         if (end == text) return 0;
         text = end;
     }
-    return *text == '\n' || *text == '\r' || *text == '\0';
+    return *text == ']';
 }
 
 /* Which unit a number has: N, N m; N/m, N, N m of the tangent. Each third force and each third motion is one of rotation. */
@@ -192,22 +200,24 @@ void repeat_vectors(const RailspringElement *element, FILE *file, double toleran
     int row = 0, states = 0;
     while (fgets(line, sizeof line, file)) {
         row++;
-        if (line[0] == '#' || line[0] == '\n') continue;
-        size_t length = strcspn(line, ",");
-        const char *rest = line + length;
+        const char *name = line + 2; /* after [" */
+        if (line[0] != '[' || line[1] != '"') continue; /* of the whole array */
+        if (!strncmp(name, "comment\"", 8) || !strncmp(name, "end\"", 4)) continue;
+        const char *rest = name + strcspn(name, "\"");
+        if (*rest) rest++;
         snprintf(what, sizeof what, "vectors, line %d", row);
-        int of_unit = !strncmp(line, "unit_", 5);
-        const char *word = of_unit ? line + 5 : line;
-        char action = !strncmp(word, "start,", 6) ? 'b' : !strncmp(word, "step,", 5) ? 's' : !strncmp(word, "try,", 4) ? 't' : 0;
-        if (!strncmp(line, "contact,", 8) && numbers(rest, 1, value)) {
+        int of_unit = !strncmp(name, "unit_", 5);
+        const char *word = of_unit ? name + 5 : name;
+        char action = !strncmp(word, "start\"", 6) ? 'b' : !strncmp(word, "step\"", 5) ? 's' : !strncmp(word, "try\"", 4) ? 't' : 0;
+        if (!strncmp(name, "contact\"", 8) && numbers(rest, 1, value)) {
             railspring_contact_free(contact);
             contact = NULL;
             need(railspring_contact_new(element, value[0], &contact), what);
-        } else if (!strncmp(line, "unit,", 5) && numbers(rest, 2, value)) {
+        } else if (!strncmp(name, "unit\"", 5) && numbers(rest, 2, value)) {
             railspring_unit_free(unit);
             unit = NULL;
             need(railspring_unit_new(element, value[0], value[1], &unit), what);
-        } else if (!strncmp(line, "rest,", 5) && numbers(rest, 9, value)) {
+        } else if (!strncmp(name, "rest\"", 5) && numbers(rest, 9, value)) {
             need(railspring_contact_set_section_rest(contact, value), what);
         } else if (action && numbers(rest, of_unit ? UNIT_INPUT + UNIT_OUTPUT : CONTACT_INPUT + CONTACT_OUTPUT, value)) {
             double off = of_unit ? repeat_unit(unit, action, value, what) : repeat_contact(contact, action, value, what);

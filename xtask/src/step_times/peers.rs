@@ -9,7 +9,7 @@ use std::process::Command;
 use railspring_profiles::error::{InputError, Result};
 use railspring_profiles::monitor::Monitor;
 
-use super::{BRIDGE, HOSTED, HOSTED_STEPS};
+use super::record::{BRIDGE, HOSTED, HOSTED_STEPS};
 use crate::workspace::{cargo, root, workspace};
 
 /// OpenSees, the hosts in Python and what they need: exact versions and hashes.
@@ -55,6 +55,8 @@ impl Peer {
     pub fn microseconds(&self) -> Result<f64> {
         let mut process = Command::new(&self.command[0]);
         process.args(&self.command[1..]).current_dir(&self.folder).env("RAILSPRING_LIBRARY", &self.library);
+        // cargo's, where an older library may be
+        process.env_remove("LD_LIBRARY_PATH");
         for threads in ["OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"] {
             process.env(threads, "1");
         }
@@ -126,7 +128,7 @@ pub fn prepared(folder: &Path, monitor: &dyn Monitor) -> Result<Peers> {
     said(compiler.arg(&newmark))?;
     monitor.progress("programs", 3, parts)?;
     let Some(python) = railspring_testing::locked(folder, "peers", LOCK) else {
-        let expected = "Python 3.11 or newer, and the packages of testing/requirements-peers.lock for it";
+        let expected = "Python 3.11 to 3.13 on Linux (x86-64), and the packages of testing/requirements-peers.lock for it";
         return InputError::refuse(
             "--peers",
             "none of them",

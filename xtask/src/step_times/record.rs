@@ -4,6 +4,13 @@ use railspring::engine::measured::MachineRecord;
 use railspring::engine::output::to_csv;
 use serde::{Deserialize, Serialize};
 
+/// Name of the published load case in as many steps as a host of the element takes, whose time is that of such a step.
+pub const HOSTED: &str = "4.1 in equal steps";
+/// Steps in each of the history.
+pub const HOSTED_STEPS: usize = 16;
+/// Name of a span for vehicles.
+pub const BRIDGE: &str = "bridge of 25 m";
+
 /// `moving.json`: every case that was timed, and the same by other programs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StepTimesRecord {
