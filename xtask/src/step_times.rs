@@ -194,7 +194,9 @@ fn cases(study: &Study, element: Option<&PairElement>, most: usize) -> Result<Ve
     let beam = geometry.beam.clone();
     let mut cases = Vec::new();
     for name in [LOAD_CASE, AS_IN_STUDIES, HOSTED] {
-        for model in models(study, &geometry, &beam, element) {
+        // a host has the condensed element alone
+        let models = models(study, &geometry, &beam, element).into_iter();
+        for model in models.filter(|model| name != HOSTED || matches!(model, Model::Condensed(_))) {
             let (inner_steps, of_each) = match name {
                 AS_IN_STUDIES => (study.simulation.steps(model.element()), 1),
                 HOSTED => (InnerSteps::Equal(HOSTED_STEPS), HOSTED_STEPS),

@@ -177,7 +177,7 @@ fn steps_of_the_moving_solver_are_timed() {
         .map(|time| (time["case"].as_str().unwrap(), time["elements"].as_u64().unwrap()))
         .collect();
     let bridge = "bridge of 25 m";
-    let load_cases = [("load case 4.1", 20), ("4.1 as in a study", 20), ("4.1 in equal steps", 20)];
+    let load_cases = [("load case 4.1", 20), ("4.1 as in a study", 20)];
     let rails = [(bridge, 20), (bridge, 40), (bridge, 80), ("rail", 20), ("rail", 100)];
     assert_eq!(names, [&load_cases[..], &rails].concat());
     for time in times {
@@ -217,7 +217,7 @@ fn other_programs_are_timed_in_the_same_run() {
     assert_eq!(text("moving.csv").lines().count(), 1 + times.len() + peers.len());
     for peer in peers {
         let own: Vec<&Value> = times.iter().filter(|time| time["case"] == peer["case"]).collect();
-        assert_eq!(own.len(), 2, "{peer}");
+        assert_eq!(own.len(), if peer["case"] == "4.1 in equal steps" { 1 } else { 2 }, "{peer}");
         let line = said.lines().find(|line| line.contains(peer["program"].as_str().unwrap())).unwrap();
         let ratio = number(&peer["microseconds"]) / number(&own[0]["microseconds"]);
         assert!(line.ends_with(&format!("  {ratio:.1}")) && ratio > 0.0, "{line}");
@@ -250,6 +250,8 @@ fn both_contact_elements_are_timed() {
         .collect();
     let cases = ["load case 4.1", "4.1 as in a study", "4.1 in equal steps", "bridge of 25 m", "rail"];
     let both = cases.iter().flat_map(|case| [(*case, "published"), (*case, "condensed")]);
+    // hosts of the element have no other one
+    let both = both.filter(|one| *one != (cases[2], "published"));
     assert_eq!(names, both.collect::<Vec<_>>());
     for time in times {
         let inner = number(&time["inner_steps"]);
