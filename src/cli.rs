@@ -24,6 +24,7 @@ mod fit;
 mod table;
 mod work;
 mod shell;
+mod self_test;
 
 use std::ffi::OsString;
 use std::io::Write;
@@ -41,6 +42,7 @@ use output::{complain, say};
 use profile::ProfileCommand;
 use railspring_profiles::error::Error;
 use results::Results;
+use self_test::SelfTestArgs;
 use shell::ManArgs;
 use staged::StudyCommand;
 use table::TableArgs;
@@ -103,6 +105,8 @@ enum Command {
     /// Look at the store of what was made before, and make room
     #[command(subcommand)]
     Cache(CacheCommand),
+    /// Test this program on this machine against closed solutions and a half-space program; exit code 1 if a check fails
+    SelfTest(SelfTestArgs),
     /// Print what a shell completes commands and options with
     Completions {
         /// The shell
@@ -205,6 +209,7 @@ fn dispatch(command: &Command) -> Result<bool, Failure> {
         }
         Command::Work(args) => done(work::run(args)),
         Command::Profile(command) => profile::run(command),
+        Command::SelfTest(args) => self_test::run(args).map_err(Failure::Plain),
         Command::Cache(command) => done(cache::run(command)),
         Command::Completions { shell } => done(shell::completions(&mut Cli::command(), *shell)),
         Command::Man(args) => done(shell::man(Cli::command(), args)),

@@ -30,4 +30,5 @@ pub mod compare;
 pub mod table;
 pub mod export;
 pub mod cluster;
+pub mod self_test;
 pub mod cli;

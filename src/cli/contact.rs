@@ -148,6 +148,9 @@ pub(super) fn contact(args: &ContactArgs) -> Result<(), Failure> {
             ),
         })?,
     }
+    if let Some(slope) = function.nonlinearity() {
+        say(&format!("nonlinearity parameter, from 2 to 4 mm: {:.4} 1/mm", slope * MILLIMETRE))?;
+    }
     let (table, figure) = (args.output.with_extension("csv"), args.output.with_extension("svg"));
     write(&table, &csv(&wheelset, &rows))?;
     write(&figure, &picture(&wheelset, &rows, &function, conicity))?;

@@ -130,6 +130,17 @@ impl RunningFunction {
         }
         Some((PI / integral).powi(2))
     }
+
+    /// Nonlinearity parameter, 1/m (publications: 1/mm): the slope of the equivalent conicity from 2 to 4 mm of amplitude
+    /// (O. Polach, "Characteristic parameters of nonlinear wheel/rail contact geometry", Vehicle System Dynamics 48 (2010), supplement).
+    ///
+    /// `None` where one of both amplitudes has no conicity.
+    pub fn nonlinearity(&self) -> Option<f64> {
+        const FROM: f64 = 2.0 * MILLIMETRE;
+        const TO: f64 = 4.0 * MILLIMETRE;
+        let [small, large] = [FROM, TO].map(|amplitude| self.equivalent_conicity(amplitude));
+        Some((large? - small?) / (TO - FROM))
+    }
 }
 
 #[cfg(test)]
@@ -157,6 +168,9 @@ mod tests {
         }
         // The step is smeared over one interval of 0.01 mm.
         let step = function(|y| 1e-3 * y.signum() * f64::from(y.abs() > 1e-9));
+        // by the same formula at 2 and 4 mm
+        let expected = PI.powi(2) / 16.0 * 0.001 * (1.0 / 4e-3 - 1.0 / 2e-3) / 2e-3;
+        assert!((step.nonlinearity().unwrap() / expected - 1.0).abs() < 0.01, "{:?}", step.nonlinearity());
         let found = step.equivalent_conicity(3e-3).unwrap();
         assert!((found / (PI * PI * 1e-3 / (16.0 * 3e-3)) - 1.0).abs() < 2e-3, "{found}");
     }

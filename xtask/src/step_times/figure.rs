@@ -4,7 +4,7 @@ use railspring::report::number::WIDTH;
 use railspring::report::panel::{Panel, stacked_logarithmic};
 use railspring::report::plot::{DARK, DARK_RED, Dash, GREY, Marker, ORANGE, RED, RGBColor, Series};
 
-use super::record::StepTimesRecord;
+use super::record::{HOSTED, StepTimesRecord};
 
 /// Looks of the program's own curves: a colour for each element, a marker for each case.
 const ELEMENTS: [RGBColor; 2] = [DARK, RED];
@@ -16,15 +16,16 @@ const OTHERS: [(RGBColor, Dash, Marker); 3] = [
     (DARK_RED, Dash::Dashed, Marker::Square),
 ];
 
-/// Microseconds a step over the elements.
+/// Microseconds a step over the elements; hosts have one rail.
 pub fn figure(record: &StepTimesRecord) -> String {
     let mut series = Vec::new();
-    let names = || record.times.iter().map(|time| (time.case.as_str(), time.element.as_str()));
+    let times = record.times.iter().filter(|time| time.case != HOSTED);
+    let names = || times.clone().map(|time| (time.case.as_str(), time.element.as_str()));
     let place = |of: Vec<&str>, name: &str| of.iter().position(|known| *known == name).unwrap_or(0);
     for (case, element) in distinct(names()) {
         let color = ELEMENTS[place(distinct(names().map(|name| name.1)), element) % ELEMENTS.len()];
         let marker = CASES[place(distinct(names().map(|name| name.0)), case) % CASES.len()];
-        let of = record.times.iter().filter(|time| time.case == case && time.element == element);
+        let of = times.clone().filter(|time| time.case == case && time.element == element);
         let points = of.map(|time| (time.elements as f64, time.microseconds)).collect();
         series.push(Series::joined(
             &format!("{case}, {element} element"),
@@ -34,11 +35,12 @@ pub fn figure(record: &StepTimesRecord) -> String {
             marker,
         ));
     }
-    let programs = record.peers.iter().map(|peer| (peer.case.as_str(), peer.program.as_str()));
+    let peers = record.peers.iter().filter(|peer| peer.case != HOSTED);
+    let programs = peers.clone().map(|peer| (peer.case.as_str(), peer.program.as_str()));
     for ((case, program), (color, dash, marker)) in
         distinct(programs).into_iter().zip(OTHERS.into_iter().cycle())
     {
-        let of = record.peers.iter().filter(|peer| peer.case == case && peer.program == program);
+        let of = peers.clone().filter(|peer| peer.case == case && peer.program == program);
         let points = of.map(|peer| (peer.elements as f64, peer.microseconds)).collect();
         series.push(Series::joined(&format!("{case}, {program}"), points, color, dash, marker));
     }
