@@ -13,14 +13,20 @@ STEM takes forces, but no moment. There are two ways to put the wheel on a rail:
 - "wheel_configuration": [0.0, 0.12] has two places on a stiff arm across the rail. The first is at the rail, the second
   so much (m) above it. A pair of lateral forces is the moment. Such a wheel stands still.
 - "wheel_configuration": [0.0] has one place on the line of the rail. The rail's torsion is then a flexibility of its
-  section in the element, "turn" (rad/(N m)).
+  section in the element, "turn" (rad/(N m)). Such a wheel may roll.
 
 Axes of the element: x along the track, y to the field side, z down. STEM's x is y of the rail's section, and its y is
 -z of it. The line of STEM's beam is that of the shear centres.
 
-Parameters: element (file), place (m along the rail), turn, loads (mean and swing of the vertical force, N, its
-frequency, Hz, lateral force, N), history (file that gets time_s, p_n, q_n when a step is finished), row (s, between two
-of its rows), wheel_configuration. Needs numpy, contact_library.py beside this file, and the C library (see there).
+Parameters: element (file), place (m along the rail, -1 on a rail that is not the study's), turn, loads (mean and swing
+of the vertical force, N, its frequency, Hz, lateral force, N), history (file that gets time_s, p_n, q_n when a step is
+finished), row (s, between two of its rows), wheel_configuration. These may be left out:
+- shear (m/N): vertical flexibility of the section that STEM's beams lack;
+- vehicle: suspended mass (kg), its spring (N/m) and damper (N s/m);
+- irregularity: how the rail's height changes along the track, by the function of STEM's own vehicles. It has start and
+  speed of the wheel along the track (m, m/s), and parameters of that function.
+
+Needs numpy, contact_library.py beside this file, and the C library (see there).
 """
 import json
 import pathlib
@@ -29,29 +35,29 @@ import numpy as np
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))  # STEM loads this file alone
 from contact_library import Contact, Element
 
-SUSPENDED_MASS, SPRING, DAMPER = 6250.0, 1.2e6, 4e4  # kg, N/m, N s/m
+VEHICLE = 6250.0, 1.2e6, 4e4  # kg, N/m, N s/m: suspended mass, its spring and damper
 SETTLED = 1e-8  # m, the last step of Newton's method
 
 
 class Wheel:
     """Hub (y, z), modes of the wheel, and suspended mass (z), on a contact."""
 
-    def __init__(self, element, place, turn, loads, **_):
-        element = Element(element)
+    def __init__(self, element, place, turn, loads, shear=0.0, vehicle=VEHICLE, **_):
+        element, (suspended_mass, spring, damper) = Element(element), vehicle
         kept = np.r_[0, 1, 3:len(element.mass)]  # all of the wheel but the turn of its hub
         size, above = len(kept) + 1, len(kept)
         self.mass, self.damping, self.stiffness = np.zeros((3, size, size))
         for own, of_wheel in ((self.mass, element.mass), (self.damping, element.damping),
                               (self.stiffness, element.stiffness)):
             own[:above, :above] = of_wheel[np.ix_(kept, kept)]
-        self.mass[above, above] = SUSPENDED_MASS
-        for own, value in (self.stiffness, SPRING), (self.damping, DAMPER):
+        self.mass[above, above] = suspended_mass
+        for own, value in (self.stiffness, spring), (self.damping, damper):
             own[np.ix_([1, above], [1, above])] += value * np.array([[1.0, -1.0], [-1.0, 1.0]])
         self.rim = np.zeros((3, size))
         self.rim[:, :above] = element.rim[:, kept]
         self.place, self.load, self.angle = place, loads, element.about.rail[0]
         self.contact = Contact(element)
-        self.contact.set_section_rest(np.diag([0.0, 0.0, turn]))
+        self.contact.set_section_rest(np.diag([0.0, shear, turn]))
         self.contact.start(np.zeros(6), place)
         self.finished = 0.0, np.zeros(size), np.zeros(size), np.linalg.solve(self.mass, self.loads(0.0))
         self.running = self.finished
@@ -99,6 +105,13 @@ def turned(angle, vector):
     return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]) @ vector
 
 
+def irregularity(time, start, speed, **parameters):
+    """How much higher the rail is where the wheel is than where it began, m."""
+    from UVEC.uvec_ten_dof_vehicle_2D.irregularities import calculate_rail_irregularity
+    begin, here = [calculate_rail_irregularity(start + speed * after, **parameters) for after in (0.0, time)]
+    return here - begin
+
+
 WHEELS = []  # none before the first call, then one
 
 
@@ -118,6 +131,8 @@ def uvec(json_string):
                 file.write('%.6g,%.9g,%.9g\n' % (running, -wheel.forces[1], -wheel.forces[0]))
     # the section by its places
     lateral, up, _ = data['u'][places[0]]
+    if 'irregularity' in parameters:
+        up += irregularity(time, **parameters['irregularity'])
     turn = (data['u'][places[1]][0] - lateral) / arm if arm else 0.0
     force = wheel.step(time, np.append(turned(wheel.angle, [lateral, -up]), turn))
     lateral, down = turned(-wheel.angle, force[:2])

@@ -102,6 +102,25 @@ def rail():
     return model, geometry['physical_groups']['rail']['geometry_ids']
 
 
+def run(model, step, steps, tolerance=TOLERANCE):
+    """Runs a model for so many time steps of a length (s)."""
+    time = TimeIntegration(start_time=0.0, end_time=step * steps, delta_time=step, reduction_factor=1.0,
+                           increase_factor=1.0)
+    # STEM's strategy for linear systems shows a vehicle the displacements of the last step in all iterations
+    settings = SolverSettings(
+        analysis_type=AnalysisType.MECHANICAL, solution_type=SolutionType.DYNAMIC,
+        stress_initialisation_type=StressInitialisationType.NONE, time_integration=time,
+        is_stiffness_matrix_constant=True, are_mass_and_damping_constant=True,
+        convergence_criteria=DisplacementConvergenceCriteria(tolerance, 1e-13),
+        strategy_type=NewtonRaphsonStrategy(max_iterations=50, min_iterations=0), linear_solver_settings=Lu(),
+        rayleigh_m=0.0, rayleigh_k=RAIL_DAMPING, echo_level=0)
+    model.project_parameters = Problem('rail', 1, settings)
+    with tempfile.TemporaryDirectory() as folder:  # Kratos's files
+        stem = Stem(model, folder)
+        stem.write_all_input_files()
+        stem.run_calculation()
+
+
 def main(element, steps_per_row=STEPS, rows=ROWS):
     """Runs the load case and writes forces.csv."""
     here, history = pathlib.Path(__file__).resolve().parent, pathlib.Path('forces.csv').resolve()
@@ -115,22 +134,7 @@ def main(element, steps_per_row=STEPS, rows=ROWS):
             'turn': 0.0 if ARM else torsion, 'loads': LOADS, 'history': str(history), 'row': ROW,
             'wheel_configuration': [0.0, ARM] if ARM else [0.0]}), 'wheel')
     # one more step: the wheel writes a row when the next step begins
-    step = ROW / steps_per_row
-    time = TimeIntegration(start_time=0.0, end_time=step * (rows * steps_per_row + 1), delta_time=step,
-                           reduction_factor=1.0, increase_factor=1.0)
-    # STEM's strategy for linear systems shows a vehicle the displacements of the last step in all iterations
-    settings = SolverSettings(
-        analysis_type=AnalysisType.MECHANICAL, solution_type=SolutionType.DYNAMIC,
-        stress_initialisation_type=StressInitialisationType.NONE, time_integration=time,
-        is_stiffness_matrix_constant=True, are_mass_and_damping_constant=True,
-        convergence_criteria=DisplacementConvergenceCriteria(TOLERANCE, 1e-13),
-        strategy_type=NewtonRaphsonStrategy(max_iterations=50, min_iterations=0), linear_solver_settings=Lu(),
-        rayleigh_m=0.0, rayleigh_k=RAIL_DAMPING, echo_level=0)
-    model.project_parameters = Problem('rail', 1, settings)
-    with tempfile.TemporaryDirectory() as folder:  # Kratos's files
-        stem = Stem(model, folder)
-        stem.write_all_input_files()
-        stem.run_calculation()
+    run(model, ROW / steps_per_row, rows * steps_per_row + 1)
 
 
 if __name__ == '__main__':
