@@ -113,13 +113,17 @@ fn compiled(folder: &TempDir, name: &str, sources_of: &[&str], objects: &[&str])
     program
 }
 
+/// A program that takes the library which was handed out: cargo's variable would lead it to one in the target folder.
+fn host(program: &Path) -> Command {
+    let mut command = Command::new(program);
+    command.env_remove("LD_LIBRARY_PATH");
+    command
+}
+
 /// Runs a program on the element file; its standard output.
 fn run(program: &Path, arguments: &[&str]) -> String {
     let element = made().join("pair.rse");
-    let mut command = Command::new(program);
-    // cargo's, where an older library may be
-    command.args(arguments).env("RAILSPRING_ELEMENT", element).env_remove("LD_LIBRARY_PATH");
-    let output = command.output().unwrap();
+    let output = host(program).args(arguments).env("RAILSPRING_ELEMENT", element).output().unwrap();
     assert!(output.status.success(), "{} {arguments:?}: {}", program.display(), said(&output));
     String::from_utf8(output.stdout).unwrap()
 }
@@ -161,9 +165,7 @@ fn the_c_interface_conforms() {
     let end = vectors.rfind("],\n[\"end\"]").unwrap();
     let last = vectors[..end].rfind(',').unwrap();
     std::fs::write(&file, format!("{},1e3{}", &vectors[..last], &vectors[end..])).unwrap();
-    let mut command = Command::new(&program);
-    let output =
-        command.args([element, file.to_str().unwrap()]).env_remove("LD_LIBRARY_PATH").output().unwrap();
+    let output = host(&program).args([element, file.to_str().unwrap()]).output().unwrap();
     assert!(!output.status.success(), "{}", said(&output));
 }
 

@@ -8,7 +8,7 @@ use super::progress::Progress;
 use crate::self_test::checks;
 use crate::version;
 
-/// How much is said.
+/// Options of the command.
 #[derive(Debug, Args)]
 pub(super) struct SelfTestArgs {
     /// Print the last line and errors only
