@@ -29,7 +29,9 @@ use serde::de::DeserializeOwned;
 use source::Lines;
 use toml::de::DeTable;
 
-pub use analysis::{CalibrationSettings, ContactSettings, SimulationSettings, StudyScenario};
+pub use analysis::{
+    CalibrationSettings, ContactSettings, SimulationSettings, StudyScenario, UncertaintySettings,
+};
 pub(crate) use check::nearest;
 pub use checked::Study;
 pub use document::{

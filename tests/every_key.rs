@@ -62,6 +62,7 @@ const LATERAL: &[&str] = &[
     "scenario.a.lateral_suspension.stiffness_kn_per_m=1200",
     "scenario.a.lateral_suspension.damping_kn_s_per_m=40",
 ];
+const BANDED: &[&str] = &["calibration.error_band=true"];
 const FOOT_HELD: &[&str] = &["calibration.foot_held=true"];
 
 /// A key, what it needs, and another value.
@@ -120,7 +121,7 @@ const CHANGED: &[Changed] = &[
     ("mesh.wheel_arc_element_mm", PLAIN, "140"),
     ("mesh.layers", PLAIN, "4"),
     ("mesh.first_layer_mm", PLAIN, "1.8"),
-    ("mesh.target_error", &["calibration.error_band=true"], "0.4"),
+    ("mesh.target_error", BANDED, "0.4"),
     ("mesh.element", PLAIN, "full-integration"),
     ("contact.field", PLAIN, "elements"),
     ("contact.enforcement", ELEMENTS, "penalty"),
@@ -138,6 +139,20 @@ const CHANGED: &[Changed] = &[
     ("calibration.stiffness_at_kn", PLAIN, "[30, 70]"),
     ("calibration.shifts_mm", PLAIN, "[0, 2]"),
     ("calibration.elements", PLAIN, "false"),
+    ("uncertainty.samples", BANDED, "3"),
+    ("uncertainty.lateral_mm", BANDED, "0.1"),
+    ("uncertainty.gauge_mm", BANDED, "0.4"),
+    ("uncertainty.flange_back_mm", BANDED, "0"),
+    ("uncertainty.inclination_deg", BANDED, "0.05"),
+    ("uncertainty.rail_roll_deg", BANDED, "0.05"),
+    ("uncertainty.wheel_roll_deg", BANDED, "0.05"),
+    ("uncertainty.rail_form_um", BANDED, "5"),
+    ("uncertainty.wheel_form_um", BANDED, "5"),
+    ("uncertainty.form_wavelength_mm", BANDED, "40"),
+    ("uncertainty.tape_diameter_mm", BANDED, "0"),
+    ("uncertainty.friction", BANDED, "0.1"),
+    ("uncertainty.young_percent", BANDED, "2"),
+    ("uncertainty.poisson", BANDED, "0"),
     ("simulation.element", PLAIN, "published"),
     ("simulation.law", PUBLISHED, "published"),
     ("simulation.horizontal_kn_per_m", PUBLISHED, "60000"),

@@ -10,3 +10,4 @@ pub mod beam;
 pub mod contact;
 pub mod calibration;
 pub mod pair;
+pub mod uncertainty;

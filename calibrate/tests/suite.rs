@@ -21,3 +21,4 @@ mod section_motion;
 mod solids;
 mod standards;
 mod two_materials;
+mod uncertainty;

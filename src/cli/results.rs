@@ -13,6 +13,7 @@ use crate::results::crosscheck::record::{Check, CrosscheckRecord};
 use crate::results::run::record::RunRecord;
 use crate::results::springs::assumed_record::AssumedRecord;
 use crate::results::springs::record::{LawRecord, StiffnessRecord};
+use crate::results::springs::uncertainty_record::InputUncertaintyRecord;
 use crate::results::verdict::record::{VerdictOn, VerificationRecord};
 use crate::rounding::{rounded_to, significant, with_unit};
 use crate::verify::{self, ChangedLimit, NotApplicable};
@@ -74,6 +75,9 @@ struct Springs {
     /// What was assumed of measured profiles.
     #[serde(skip_serializing_if = "Option::is_none")]
     assumed: Option<AssumedRecord>,
+    /// What the springs are worth with inputs that are not known exactly.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    input_uncertainty: Option<InputUncertaintyRecord>,
     /// Why loads of the study are left out, or why the horizontal stiffness or the error band is missing.
     missing: Vec<String>,
 }
@@ -254,6 +258,7 @@ impl Springs {
                 horizontal: horizontal.and_then(|h| h.error_band.as_ref()?.band),
             }),
             assumed: stiffness.assumed.clone(),
+            input_uncertainty: stiffness.input_uncertainty.clone(),
             missing: stiffness.shortened().into_iter().chain(missing).chain(unbanded).collect(),
         }
     }
@@ -296,6 +301,8 @@ impl Springs {
             heading("horizontal stiffness", format!("k_h = {} kN/m{range}", significant(stiffness, 4)))
         }));
         lines.push(heading("error band", self.band()));
+        let uncertain = self.input_uncertainty.iter().flat_map(InputUncertaintyRecord::sentences);
+        lines.extend(uncertain.map(Line::plain));
         let missing = |text: &String| Line::of(Tone::Bad, "missing:").then(Tone::Plain, format!(" {text}"));
         lines.extend(self.missing.iter().map(missing));
         lines

@@ -40,6 +40,53 @@ pub struct CalibrationSettings {
     pub fixed_loads: Vec<f64>,
 }
 
+/// Standard uncertainties of the inputs of the springs.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct UncertaintySettings {
+    /// Quasi-random samples.
+    pub samples: usize,
+    /// Place of the wheel across the track, m.
+    pub lateral: f64,
+    /// Track gauge, m.
+    pub gauge: f64,
+    /// Distance of the flange backs, m.
+    pub flange_back: f64,
+    /// Inclination of the rail, rad.
+    pub inclination: f64,
+    /// Turn of the profiles of rail and wheel, rad.
+    pub roll: [f64; 2],
+    /// Form of the profiles of rail and wheel, m.
+    pub form: [f64; 2],
+    /// Length of the waves of the form, m.
+    pub form_wavelength: f64,
+    /// Diameter of the wheel at its tape circle, m.
+    pub tape_diameter: f64,
+    /// Friction coefficient.
+    pub friction: f64,
+    /// Young's modulus of each body, relative.
+    pub young: f64,
+    /// Poisson's ratio.
+    pub poisson: f64,
+}
+
+impl UncertaintySettings {
+    /// Inputs that are known exactly.
+    pub const NONE: Self = Self {
+        samples: 0,
+        lateral: 0.0,
+        gauge: 0.0,
+        flange_back: 0.0,
+        inclination: 0.0,
+        roll: [0.0; 2],
+        form: [0.0; 2],
+        form_wavelength: 1.0,
+        tape_diameter: 0.0,
+        friction: 0.0,
+        young: 0.0,
+        poisson: 0.0,
+    };
+}
+
 /// The simple model.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SimulationSettings {

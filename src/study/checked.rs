@@ -5,7 +5,9 @@ use std::collections::BTreeMap;
 use railspring_calibrate::mesh::MeshOptions;
 use railspring_simulate::solid::START_MODES;
 
-use super::analysis::{CalibrationSettings, ContactSettings, SimulationSettings, StudyScenario};
+use super::analysis::{
+    CalibrationSettings, ContactSettings, SimulationSettings, StudyScenario, UncertaintySettings,
+};
 use super::document::{ContactElementKey, ElementKey, LawKey, OutputKeys, SECTIONS, SolidKeys, TransientKey};
 use super::pair::{Rail, Track, Wheel};
 use super::record::ResolvedKey;
@@ -38,6 +40,8 @@ pub struct Study {
     pub contact: ContactSettings,
     /// Loads and reference of the law.
     pub calibration: CalibrationSettings,
+    /// Standard uncertainties of the inputs.
+    pub uncertainty: UncertaintySettings,
     /// Lateral shifts of the laws by contact angle, m, ascending; `None` leaves them to the program.
     pub shifts: Option<Vec<f64>>,
     /// Whether contact elements are made of the solids; `None` where there is a load case.
@@ -73,6 +77,7 @@ impl Study {
             element: self.element,
             contact: self.contact,
             calibration: &self.calibration,
+            uncertainty: &self.uncertainty,
             beam_elements: self.simulation.rail_elements,
         }
     }

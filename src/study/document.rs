@@ -11,6 +11,7 @@ mod bodies;
 mod output;
 mod scenario;
 mod solid;
+mod uncertainty;
 
 use std::collections::BTreeMap;
 
@@ -30,9 +31,10 @@ pub use material::{BodyMaterialKeys, GroupMaterialKeys, MaterialKeys};
 pub use output::{OutputKeys, SolidLoadsKey, VerticalKey};
 pub use scenario::{ForceKeys, ScenarioKeys, SuspensionKeys, TorsionKeys};
 pub use solid::{SolidKeys, TransientKey};
+pub use uncertainty::UncertaintyKeys;
 
 /// Sections of the study file, in their order.
-pub const SECTIONS: [&str; 12] = [
+pub const SECTIONS: [&str; 13] = [
     "rail",
     "wheel",
     "track",
@@ -40,6 +42,7 @@ pub const SECTIONS: [&str; 12] = [
     "mesh",
     "contact",
     "calibration",
+    "uncertainty",
     "simulation",
     "solid",
     "scenario",
@@ -76,6 +79,9 @@ pub struct StudyDocument {
     /// The load range and the reference of the stiffness law.
     #[serde(default)]
     pub calibration: CalibrationKeys,
+    /// By how much the inputs of the springs may be off.
+    #[serde(default)]
+    pub uncertainty: UncertaintyKeys,
     /// The simple moving-contact model.
     #[serde(default)]
     pub simulation: SimulationKeys,

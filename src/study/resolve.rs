@@ -2,6 +2,7 @@
 //! concern several keys at once.
 
 mod bodies;
+mod uncertainty;
 
 use std::collections::BTreeMap;
 
@@ -13,6 +14,7 @@ use railspring_simulate::solid::RailPath;
 use railspring_simulate::time::scenario::{HarmonicForce, Kelvin, Scenario};
 use railspring_simulate::time::steps::InnerSteps;
 use serde_json::Value;
+use uncertainty::uncertainty;
 
 use super::analysis::{CalibrationSettings, ContactSettings, SimulationSettings, StudyScenario};
 use super::case_notes;
@@ -83,6 +85,7 @@ pub(super) fn resolve(
         case.notes = case_notes::notes(of, &document, &source, &calibration.loads);
     }
     let resolved = resolved_keys(&document, &source);
+    let measured = [rail.measured.is_some(), wheel.measured.is_some()];
     Ok(Study {
         name: document.name,
         description: document.description,
@@ -105,6 +108,7 @@ pub(super) fn resolve(
             friction,
         },
         calibration,
+        uncertainty: uncertainty(&document.uncertainty, measured),
         shifts: document
             .calibration
             .shifts_mm

@@ -7,7 +7,7 @@ use railspring_profiles::units::MILLIMETRE;
 use serde::Serialize;
 use serde_json::Value;
 
-use super::analysis::{CalibrationSettings, ContactSettings};
+use super::analysis::{CalibrationSettings, ContactSettings, UncertaintySettings};
 use super::document::{ElementKey, EnforcementKey, FieldKey};
 use super::pair::{MeasuredSurface, Rail, Track, Wheel};
 use super::record::PairRecord;
@@ -35,11 +35,19 @@ pub struct Statics<'a> {
     pub contact: ContactSettings,
     /// Loads and reference of the law.
     pub calibration: &'a CalibrationSettings,
+    /// Standard uncertainties of the inputs.
+    pub uncertainty: &'a UncertaintySettings,
     /// Number of beam elements of the simple model's rail, whose deflection the calibration takes away.
     pub beam_elements: usize,
 }
 
 impl Statics<'_> {
+    /// The same with inputs that are known exactly: what does not depend on their uncertainty stays when that changes.
+    #[must_use]
+    pub fn exact(self) -> Self {
+        Self { uncertainty: &UncertaintySettings::NONE, ..self }
+    }
+
     /// Materials of rail and wheel.
     pub fn materials(&self) -> [&Material; 2] {
         [&self.rail.material, &self.wheel.material]

@@ -16,7 +16,8 @@ use crate::study::{LocatedError, Mistakes, Source, Study, parsed, parts, schema_
 /// What messages call a table.
 const WHOLE: &str = "table";
 /// Sections of a study that the cases of a table have.
-const SECTIONS: [&str; 7] = ["rail", "wheel", "track", "material", "mesh", "contact", "calibration"];
+const SECTIONS: [&str; 8] =
+    ["rail", "wheel", "track", "material", "mesh", "contact", "calibration", "uncertainty"];
 /// Keys that a table sets itself, and with what.
 const OF_THE_TABLE: [(&str, &str); 4] = [
     ("track.lateral_shift_mm", "the shifts of a table are `shifts_mm`"),

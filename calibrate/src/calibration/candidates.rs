@@ -30,9 +30,27 @@ pub(super) struct Candidates {
 
 /// Grid and reach of a fine contact while a load settles.
 #[derive(Default)]
-pub(super) struct FinePlan {
+pub(super) struct FinePlan<'a> {
     chosen: Option<(Lattice, Vec<bool>)>,
     changes: usize,
+    first_far: FirstFar<'a>,
+}
+
+/// From which state the far field of a first pairing may be.
+#[derive(Default)]
+enum FirstFar<'a> {
+    /// From the one that the iteration starts at.
+    #[default]
+    Start,
+    /// From another one or from none, as the start is one of another pair.
+    Other(Option<&'a Pressed>),
+}
+
+impl<'a> FinePlan<'a> {
+    /// That of an iteration from a state of another pair; `of_this` is a state of this one.
+    pub fn beside(of_this: Option<&'a Pressed>) -> Self {
+        Self { first_far: FirstFar::Other(of_this), ..Self::default() }
+    }
 }
 
 impl WheelOnRail<'_> {
@@ -95,7 +113,7 @@ impl WheelOnRail<'_> {
         hub: &Vector2<f64>,
         load: f64,
         last: Option<&Pressed>,
-        plan: &mut FinePlan,
+        plan: &mut FinePlan<'_>,
     ) -> Candidates {
         let solids = self.solids(hub);
         let directions = self.directions();
@@ -127,7 +145,11 @@ impl WheelOnRail<'_> {
         let [rail, wheel] = &moved;
         let displaced = Displaced { rail, wheel, margin };
         let (lattice, region) = plan.chosen.as_ref().expect("chosen above");
-        let known_fine = known.map(|(_, fine)| fine).filter(|fine| fine.is_near(&solids));
+        let known_fine = match std::mem::take(&mut plan.first_far) {
+            FirstFar::Start => known.map(|(_, fine)| fine),
+            FirstFar::Other(of_this) => of_this.and_then(Pressed::fine),
+        };
+        let known_fine = known_fine.filter(|fine| fine.is_near(&solids));
         let (points, fine) = FineContact::new(&solids, *lattice, region, known_fine, &displaced, directions);
         let start = match known {
             Some((last, of)) => {
@@ -161,7 +183,7 @@ impl WheelOnRail<'_> {
     }
 
     /// Changes the `plan` of a fine contact where the `state` shows that grid or reach do not suit it; whether it did.
-    pub(super) fn revise(&self, plan: &mut FinePlan, state: &Pressed, settled: bool) -> bool {
+    pub(super) fn revise(&self, plan: &mut FinePlan<'_>, state: &Pressed, settled: bool) -> bool {
         let Some((lattice, region)) = &mut plan.chosen else { return false };
         if plan.changes == GRID_CHANGES {
             return false;

@@ -110,6 +110,23 @@ impl WheelOnRail<'_> {
         }
     }
 
+    /// Presses a wheel without friction, iterated from the state `near` of another pair under the same load, whose bodies are the same; `of_this` is a
+    /// state of this pair under another load, whose far field serves again.
+    ///
+    /// # Errors
+    /// Those of [`Self::press`].
+    pub(crate) fn press_beside(
+        &self,
+        load: f64,
+        near: &Pressed,
+        of_this: Option<&Pressed>,
+    ) -> Result<Pressed> {
+        match self.settle_by(load, None, Some(near), FinePlan::beside(of_this)) {
+            Err(error) if unsettled(&error) => self.press(load, None),
+            done => done,
+        }
+    }
+
     /// A state under a smaller load, near to `load`; none where `before` is near itself, or where there is no such state.
     fn near(&self, load: f64, before: &Pressed) -> Option<Pressed> {
         let times = load / before.load;
@@ -124,6 +141,17 @@ impl WheelOnRail<'_> {
 
     /// Equilibrium under `load`, iterated from the state `near`; slips count from `before`.
     fn settle(&self, load: f64, before: Option<&Pressed>, near: Option<&Pressed>) -> Result<Pressed> {
+        self.settle_by(load, before, near, FinePlan::default())
+    }
+
+    /// The same by a `plan` of the fine grid.
+    fn settle_by(
+        &self,
+        load: f64,
+        before: Option<&Pressed>,
+        near: Option<&Pressed>,
+        mut plan: FinePlan<'_>,
+    ) -> Result<Pressed> {
         let failure = |iteration, residual, active, reason| {
             let stage = format!("contact of wheel and rail at {:.3} kN", load * 1e-3);
             Error::from(NumericsError::new(stage, reason, residual, active).after(iteration))
@@ -136,7 +164,6 @@ impl WheelOnRail<'_> {
         });
         let (mut share, mut moved, mut active) = (1.0, 0.0_f64, 0);
         let mut previous: Option<Pressed> = None;
-        let mut plan = FinePlan::default();
         let mut factors = Factors::default();
         let tolerance = match self.field {
             ContactField::Elements => HUB_TOLERANCE,

@@ -36,7 +36,7 @@ impl Pair {
         let off = nodes.map(|node| self.off_surface(body, node)).fold(0.0, f64::max);
         let centre = condensed.section.as_ref().map(|section| section.shear_centre);
         let off_axis = centre.map_or(0.0, |centre| (centre - self.node_line()).norm());
-        if off <= OFF_SURFACE && off_axis <= OFF_AXIS {
+        if off <= OFF_SURFACE + self.off_bodies && off_axis <= OFF_AXIS + self.off_bodies {
             return Ok(());
         }
         let what = match (&condensed.file, &*condensed.of) {
@@ -44,7 +44,7 @@ impl Pair {
             (None, "") => format!("a body of no pair, key {}", condensed.key),
             (None, of) => of.into(),
         };
-        let where_it_is = if off > OFF_SURFACE {
+        let where_it_is = if off > OFF_SURFACE + self.off_bodies {
             format!("contact nodes up to {:.2} mm off its running surface", off / MILLIMETRE)
         } else {
             format!("its shear centre {:.2} mm off", off_axis / MILLIMETRE)

@@ -294,14 +294,22 @@ impl CondensedPair {
             };
             return Ok(pair.half_spaces_on_rail([&rail.grid, &wheel.grid], materials, field));
         }
+        let [rail, wheel] = self.of_pair(pair, reference)?;
+        Ok(pair.wheel_on_rail(rail, wheel, contact))
+    }
+
+    /// Rail and wheel as the contact of a `pair` sees them, with what the reference fixes of the rail.
+    ///
+    /// # Errors
+    /// As [`Self::rail`], and bodies that are not of the `pair` ([`Pair::check_body`]).
+    pub(crate) fn of_pair(&self, pair: &Pair, reference: Reference) -> Result<[ContactBody<'_>; 2]> {
         let body = self.rail(reference)?;
         let (held, compliance) = match reference {
             Reference::Foot => (PairBody::RailOnFoot, &body.compliance),
             _ => (PairBody::RailOnEnds, &self.against_section),
         };
         let rail = ContactBody { compliance, ..pair.contact_body(held, body)? };
-        let wheel = pair.contact_body(PairBody::Wheel, &self.wheel)?;
-        Ok(pair.wheel_on_rail(rail, wheel, contact))
+        Ok([rail, pair.contact_body(PairBody::Wheel, &self.wheel)?])
     }
 }
 

@@ -27,6 +27,8 @@ pub struct Pair {
     pub tape_y: f64,
     /// Where the lowered wheel first touches.
     pub touch: Touch,
+    /// How far the surfaces may lie off their bodies, m: 0 but where they depart from them ([`Departure`](crate::uncertainty::Departure)).
+    pub off_bodies: f64,
 }
 
 /// The meshes of both bodies.
@@ -48,7 +50,7 @@ impl Pair {
         let tape_y = track.tape_y(&wheel.running);
         let touch = touch(&placed, &wheel.running, tape_y)?;
         let RailAnalysis { properties, stresses: shear_stresses } = rail_analysis(&rail)?;
-        Ok(Self { rail, wheel, properties, shear_stresses, placed, tape_y, touch })
+        Ok(Self { rail, wheel, properties, shear_stresses, placed, tape_y, touch, off_bodies: 0.0 })
     }
 
     /// The same two sections with the wheel's tape circle at another lateral world position (m): the sections and the rail's place
@@ -71,8 +73,22 @@ impl Pair {
         wheel: WheelSection,
         track: &TrackGeometry,
     ) -> Result<Self> {
-        let placed = place_rail(&rail, track)?;
         let tape_y = track.tape_y(&wheel.running);
+        self.with_surfaces_at(rail, wheel, track, tape_y)
+    }
+
+    /// The same with the wheel's tape circle at a lateral world position, m.
+    ///
+    /// # Errors
+    /// A wheel that misses the rail.
+    pub(crate) fn with_surfaces_at(
+        &self,
+        rail: RailSection,
+        wheel: WheelSection,
+        track: &TrackGeometry,
+        tape_y: f64,
+    ) -> Result<Self> {
+        let placed = place_rail(&rail, track)?;
         let touch = touch(&placed, &wheel.running, tape_y)?;
         Ok(Self { rail, wheel, placed, tape_y, touch, ..self.clone() })
     }

@@ -153,7 +153,7 @@ impl Geometry {
 }
 
 /// The track of a study, the rail inclined by a slope.
-fn track(statics: Statics<'_>, inclination: f64) -> TrackGeometry {
+pub(crate) fn track(statics: Statics<'_>, inclination: f64) -> TrackGeometry {
     TrackGeometry {
         gauge: statics.track.gauge,
         gauge_height: statics.track.gauge_height,

@@ -21,7 +21,7 @@ impl<'a> ByAngleInput<'a> {
     /// That of a study.
     pub fn of(study: &'a Study) -> Self {
         let modes = study.wants_condensed().then(|| study.modes());
-        Self { statics: study.statics(), shifts: study.shifts.as_deref(), modes }
+        Self { statics: study.statics().exact(), shifts: study.shifts.as_deref(), modes }
     }
 
     /// Address of the laws on bodies whose contact zones reach so far, as those of the calibration do in the end.

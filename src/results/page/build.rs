@@ -16,7 +16,7 @@ use crate::results::crosscheck;
 use crate::results::patches::{self, section_figure};
 use crate::results::run::figures::ScenarioRun;
 use crate::results::run::{figures as figures_of_run, positions_figure};
-use crate::results::springs::{figures, forms_figure};
+use crate::results::springs::{figures, forms_figure, uncertainty_figure};
 use crate::results::verdict::tables;
 
 /// The page and its figures.
@@ -72,6 +72,15 @@ pub fn build(data: &ReportData<'_>) -> Report {
             figures::horizontal_caption(horizontal),
         ));
     }
+    if let (Some(uncertain), Some(band)) =
+        (&stiffness.input_uncertainty, uncertainty_figure::band(&stiffness))
+    {
+        springs.push(collected.add("uncertainty", band, uncertainty_figure::band_caption(uncertain)));
+        if let Some(figure) = uncertainty_figure::inputs(uncertain) {
+            let caption = uncertainty_figure::inputs_caption(uncertain);
+            springs.push(collected.add("uncertain_inputs", figure, caption));
+        }
+    }
     if let Some(laws) = data.by_angle {
         springs.push(collected.add(
             "by_angle",
@@ -107,6 +116,7 @@ pub fn build(data: &ReportData<'_>) -> Report {
             "horizontal": first_screen::horizontal(&stiffness),
             "shortened": stiffness.shortened(),
             "worth": tables::worth(&stiffness),
+            "uncertainty": uncertainty_figure::table(&stiffness),
             "assumed": tables::assumed(&stiffness),
             "assumed_bodies": assumed_bodies,
             "worth_by_angle": data.by_angle.and_then(by_angle::figure::worth),

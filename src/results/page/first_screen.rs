@@ -138,6 +138,11 @@ fn springs(stiffness: &StiffnessRecord) -> Vec<[String; 2]> {
         ),
         row("horizontal stiffness", horizontal(stiffness)),
     ];
+    let uncertain = stiffness.input_uncertainty.as_ref().and_then(|of| of.middle());
+    rows.extend(uncertain.map(|point| {
+        let load = number((10.0 * point.force_kn).round() / 10.0);
+        row(&format!("uncertainty of the tangent at {load} kN (95 %)"), point.tangent.sentence())
+    }));
     let assumed = stiffness.assumed.as_ref();
     rows.extend(
         assumed.map(|assumed| row("with other bodies and places", assumed.ranges(&stiffness.reference))),

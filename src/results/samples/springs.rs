@@ -23,6 +23,9 @@ use crate::results::springs::record::{
     BeamFactors, BeamRecord, BoundRecord, ComplianceRecord, HorizontalPointRecord, HorizontalRecord,
     LawRecord, LoadCurveRow, PenaltyRecord, ReferenceRecord, StiffnessRecord, TangentRecord,
 };
+use crate::results::springs::uncertainty_record::{
+    InputUncertaintyRecord, UncertainInputRecord, UncertainLawRecord, UncertainPointRecord, UncertainRecord,
+};
 use crate::study::PairRecord;
 
 fn law(a: f64, b: f64, c: f64) -> LawRecord {
@@ -108,6 +111,55 @@ fn error_band(loads: &[f64]) -> ErrorBandRecord {
     }
 }
 
+/// Two inputs, of which the rail's inclination decides.
+fn uncertainty() -> InputUncertaintyRecord {
+    let input = |name: &str, key: &str, standard: f64, unit: &str, distribution: &str| UncertainInputRecord {
+        name: name.into(),
+        key: Some(format!("uncertainty.{key}")),
+        standard: Some(standard),
+        unit: unit.into(),
+        distribution: distribution.into(),
+    };
+    let value = |changes: [f64; 2], sampled: bool| {
+        let linear = changes[0].hypot(changes[1]);
+        UncertainRecord {
+            changes: changes.to_vec(),
+            shares: changes.iter().map(|change| (change / linear).powi(2)).collect(),
+            linear,
+            sampled: sampled.then_some(1.1 * linear),
+            percentiles: sampled.then_some([-2.4 * linear, 1.9 * linear]),
+            input: 2.1 * linear,
+            numerical: Some(0.02),
+            combined: Some((2.1 * linear).hypot(0.02)),
+        }
+    };
+    let point = |force_kn: f64| UncertainPointRecord {
+        force_kn,
+        displacement: value([0.02, 0.007], true),
+        tangent: value([-0.05, 0.009], true),
+        area: value([-0.07, 0.004], false),
+        pressure: value([0.06, 0.005], false),
+    };
+    let sample = loads();
+    InputUncertaintyRecord {
+        inputs: vec![
+            input("inclination of the rail", "inclination_deg", 0.1, "degrees", "normal"),
+            input("Young's modulus of the wheel", "young_percent", 1.2, "%", "rectangular"),
+        ],
+        samples: 128,
+        failed: 0,
+        points: [0, sample.len() / 2, sample.len() - 1].map(|i| point(sample[i])).to_vec(),
+        horizontal: Some(value([-0.004, 0.01], false)),
+        law: Some(UncertainLawRecord {
+            a_kn_per_m: 3e3,
+            b_kn_per_m: 2e4,
+            c: 0.012,
+            covariance: [[9e6, -3e7, 5.0], [-3e7, 4e8, -200.0], [5.0, -200.0, 1.44e-4]],
+        }),
+        missing: None,
+    }
+}
+
 /// Springs of about the published size.
 pub(crate) fn stiffness() -> StiffnessRecord {
     StiffnessRecord {
@@ -152,6 +204,7 @@ pub(crate) fn stiffness() -> StiffnessRecord {
         ],
         error_band: Some(error_band(&loads())),
         assumed: None,
+        input_uncertainty: Some(uncertainty()),
         compliance_split: [5.0, 20.0, 50.0, 85.0, 150.0]
             .map(|p: f64| ComplianceRecord {
                 force_kn: p,

@@ -188,6 +188,7 @@ pub fn calibrate(
         references: laws.iter().map(|(_, law)| reference_record(law)).collect::<Result<_>>()?,
         error_band: None,
         assumed: None,
+        input_uncertainty: None,
         compliance_split: in_use.points.iter().map(|p| compliance_record(p, in_series)).collect(),
         subsurface: in_use.points.iter().zip(&measured).filter_map(subsurface_record).collect(),
         penalty: PenaltyRecord {

@@ -10,6 +10,7 @@ use super::assumed_record::AssumedRecord;
 use super::band_record::{ErrorBandRecord, HorizontalBandRecord};
 use super::form::{FormRecord, best_of_forms};
 use super::law::LawConstants;
+use super::uncertainty_record::InputUncertaintyRecord;
 use crate::engine::seal::Sealed;
 use crate::results::bodies::record::{BodyMeshRecord, ProfileRecord};
 use crate::results::bodies::touch::TouchRecord;
@@ -48,6 +49,9 @@ pub struct StiffnessRecord {
     /// What was assumed of measured profiles, and how far the springs may be off for it; none where all is known, or the study asks for no bands.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub assumed: Option<AssumedRecord>,
+    /// What the springs are worth with inputs that are not known exactly; none where the study asks for no bands.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub input_uncertainty: Option<InputUncertaintyRecord>,
     /// Where the compliance sits, at some loads.
     pub compliance_split: Vec<ComplianceRecord>,
     /// The largest stresses below the patch, load by load, with the reference in use; none for a contact between elements, which do not

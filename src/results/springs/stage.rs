@@ -28,7 +28,7 @@ use crate::results::springs::assumed_record::AssumedRecord;
 use crate::results::springs::band_record::{ErrorBandRecord, HorizontalBandRecord};
 use crate::results::springs::make::{self, Calibration, FoundSprings, PressedStudy};
 use crate::results::springs::record::{LoadCurveRow, StiffnessRecord};
-use crate::results::springs::{assumed, error_band, fields};
+use crate::results::springs::{assumed, error_band, fields, uncertainty};
 use crate::study::Statics;
 
 /// The springs of the study, its load curve, patches and fields.
@@ -117,6 +117,15 @@ impl Stage for Calibrate<'_, '_> {
             }
         }
         calibration.stiffness.assumed = assumed(at, &geometry, (&meshes, &condensed), pressed.found())?;
+        let monitor = at.resources.monitor;
+        calibration.stiffness.input_uncertainty = uncertainty::uncertainty(
+            statics,
+            &geometry,
+            &condensed,
+            pressed.found(),
+            &calibration.stiffness,
+            monitor,
+        )?;
         let Calibration { stiffness, load_curve, patches, horizontal_failure } = calibration;
         let reach = at.go_on_with(meshes);
         at.condensed = (at.input.wants_by_angle || at.input.modes > 0).then_some(condensed);

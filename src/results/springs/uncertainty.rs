@@ -1,0 +1,415 @@
+//! What springs are worth when their inputs are not known exactly: the inputs of a study through its pair, on the bodies that it has.
+
+use nalgebra::Matrix3;
+use railspring_calibrate::calibration::{ContactField, NormalCalibration, Reference};
+use railspring_calibrate::law::fit_law;
+use railspring_calibrate::pair::{CondensedPair, spread};
+use railspring_calibrate::uncertainty::{
+    Asked, Band, Departure, Distribution, Input, Propagated, UncertainPair, propagate,
+};
+use railspring_profiles::error::{Result, or_reason};
+use railspring_profiles::monitor::Monitor;
+use railspring_profiles::units::{KILONEWTON, MILLIMETRE};
+
+use crate::results::bodies::geometry::{Geometry, track};
+use crate::results::springs::law::LawConstants;
+use crate::results::springs::make::{FoundSprings, contact_conditions};
+use crate::results::springs::record::StiffnessRecord;
+use crate::results::springs::uncertainty_record::{
+    InputUncertaintyRecord, UncertainInputRecord, UncertainLawRecord, UncertainPointRecord, UncertainRecord,
+};
+use crate::study::Statics;
+
+/// Loads at which the springs are made with other inputs, from the smallest to the largest of the law.
+const LOADS: usize = 4;
+/// Half widths of the normal band of 95 %, in standard uncertainties, where there are no samples.
+const TWICE: f64 = 2.0;
+/// Largest standard uncertainty of the friction as a part of it, so that it stays positive.
+const LARGEST_FRICTION: f64 = 0.5;
+
+/// Puts in a departure of an input by so many standard uncertainties.
+type Depart = Box<dyn Fn(&mut Departure, f64) + Sync>;
+
+/// An input of the study.
+struct Source {
+    name: &'static str,
+    key: &'static str,
+    unit: &'static str,
+    /// Standard uncertainty in the unit of its key.
+    standard: f64,
+    distribution: Distribution,
+    /// Whether samples depart in it.
+    sampled: bool,
+    depart: Depart,
+}
+
+/// The inputs of a study that are not known exactly.
+fn sources(statics: Statics<'_>) -> Vec<Source> {
+    use Distribution::{Normal, Rectangular};
+    const MICROMETRE: f64 = 1e-3 * MILLIMETRE;
+    let of = statics.uncertainty;
+    let degree = 1.0_f64.to_radians();
+    let friction = of.friction.min(LARGEST_FRICTION * statics.contact.friction);
+    let (gauge, flange_back) = (of.gauge, of.flange_back);
+    let ([rail_roll, wheel_roll], [rail_form, wheel_form]) = (of.roll, of.form);
+    let (lateral, inclination, diameter) = (of.lateral, of.inclination, of.tape_diameter);
+    let (young, poisson) = (of.young, of.poisson);
+    let source = |name, key, (unit, in_unit): (&'static str, f64), distribution, sampled, depart| Source {
+        name,
+        key,
+        unit,
+        standard: in_unit,
+        distribution,
+        sampled,
+        depart,
+    };
+    let all: Vec<Source> = vec![
+        source(
+            "place of the wheel across the track",
+            "lateral_mm",
+            ("mm", lateral / MILLIMETRE),
+            Normal,
+            true,
+            Box::new(move |d, z| d.lateral += z * lateral),
+        ),
+        // a wider gauge moves this rail to the field side by half of it
+        source(
+            "track gauge",
+            "gauge_mm",
+            ("mm", gauge / MILLIMETRE),
+            Normal,
+            true,
+            Box::new(move |d, z| d.lateral -= 0.5 * z * gauge),
+        ),
+        source(
+            "distance of the flange backs",
+            "flange_back_mm",
+            ("mm", flange_back / MILLIMETRE),
+            Normal,
+            true,
+            Box::new(move |d, z| d.lateral += 0.5 * z * flange_back),
+        ),
+        source(
+            "inclination of the rail",
+            "inclination_deg",
+            ("degrees", inclination / degree),
+            Normal,
+            true,
+            Box::new(move |d, z| d.rail_roll += z * inclination),
+        ),
+        source(
+            "turn of the rail profile",
+            "rail_roll_deg",
+            ("degrees", rail_roll / degree),
+            Normal,
+            true,
+            Box::new(move |d, z| d.rail_roll += z * rail_roll),
+        ),
+        source(
+            "turn of the wheel profile",
+            "wheel_roll_deg",
+            ("degrees", wheel_roll / degree),
+            Normal,
+            true,
+            Box::new(move |d, z| d.wheel_roll += z * wheel_roll),
+        ),
+        source(
+            "form of the rail profile, cosine",
+            "rail_form_um",
+            ("\u{b5}m", rail_form / MICROMETRE),
+            Normal,
+            true,
+            Box::new(move |d, z| d.rail_waves[0] += z * rail_form),
+        ),
+        source(
+            "form of the rail profile, sine",
+            "rail_form_um",
+            ("\u{b5}m", rail_form / MICROMETRE),
+            Normal,
+            true,
+            Box::new(move |d, z| d.rail_waves[1] += z * rail_form),
+        ),
+        source(
+            "form of the wheel profile, cosine",
+            "wheel_form_um",
+            ("\u{b5}m", wheel_form / MICROMETRE),
+            Normal,
+            true,
+            Box::new(move |d, z| d.wheel_waves[0] += z * wheel_form),
+        ),
+        source(
+            "form of the wheel profile, sine",
+            "wheel_form_um",
+            ("\u{b5}m", wheel_form / MICROMETRE),
+            Normal,
+            true,
+            Box::new(move |d, z| d.wheel_waves[1] += z * wheel_form),
+        ),
+        source(
+            "diameter of the wheel",
+            "tape_diameter_mm",
+            ("mm", diameter / MILLIMETRE),
+            Normal,
+            true,
+            Box::new(move |d, z| d.radius += 0.5 * z * diameter),
+        ),
+        source(
+            "friction",
+            "friction",
+            ("", friction),
+            Rectangular,
+            false,
+            Box::new(move |d, z| d.friction += z * friction),
+        ),
+        source(
+            "Young's modulus of the rail",
+            "young_percent",
+            ("%", 1e2 * young),
+            Rectangular,
+            false,
+            Box::new(move |d, z| d.rail_young += z * young),
+        ),
+        source(
+            "Young's modulus of the wheel",
+            "young_percent",
+            ("%", 1e2 * young),
+            Rectangular,
+            false,
+            Box::new(move |d, z| d.wheel_young += z * young),
+        ),
+        source(
+            "Poisson's ratio",
+            "poisson",
+            ("", poisson),
+            Rectangular,
+            true,
+            Box::new(move |d, z| d.poisson += z * poisson),
+        ),
+    ];
+    all.into_iter().filter(|source| source.standard > 0.0).collect()
+}
+
+/// What the springs of a study, as they are in its record, are worth with uncertain inputs; none where it asks for no bands. Inputs that the model cannot
+/// go along with leave a reason.
+///
+/// # Errors
+/// An interruption.
+pub fn uncertainty(
+    statics: Statics<'_>,
+    geometry: &Geometry,
+    bodies: &CondensedPair,
+    found: &FoundSprings,
+    springs: &StiffnessRecord,
+    monitor: &dyn Monitor,
+) -> Result<Option<InputUncertaintyRecord>> {
+    if !statics.wants_error_band() {
+        return Ok(None);
+    }
+    let reference = Reference::from(statics.calibration.reference);
+    let contact = contact_conditions(statics);
+    let law = found.laws.get(reference).expect("the law in use is made");
+    let numbers = spread(law.points.len(), LOADS);
+    let loads: Vec<f64> = numbers.iter().map(|&number| law.points[number].force).collect();
+    let preloads = &statics.calibration.horizontal_preloads;
+    let asked = Asked {
+        track: track(statics, (-geometry.pair.placed.angle).tan()),
+        contact,
+        reference,
+        loads: &loads,
+        preload: preloads[preloads.len() / 2],
+    };
+    let sources = sources(statics);
+    let without = |reason: String| InputUncertaintyRecord {
+        inputs: sources.iter().map(input_record).collect(),
+        samples: 0,
+        failed: 0,
+        points: Vec::new(),
+        horizontal: None,
+        law: None,
+        missing: Some(reason),
+    };
+    if contact.field == ContactField::Elements {
+        return Ok(Some(without("a contact between elements goes from node to node".into())));
+    }
+    let pair = match or_reason(UncertainPair::new(&geometry.pair, bodies, asked))? {
+        Ok(pair) => pair,
+        Err(reason) => return Ok(Some(without(reason))),
+    };
+    let evaluate = |departures: &[f64], alone: bool| {
+        let mut departure =
+            Departure { wavelength: statics.uncertainty.form_wavelength, ..Departure::default() };
+        for (source, by) in sources.iter().zip(departures) {
+            (source.depart)(&mut departure, *by);
+        }
+        let answers = pair.answers(&departure, alone && found.horizontal.is_some())?;
+        let parts = [answers.displacement, answers.tangent, answers.area, answers.pressure];
+        Ok(parts.into_iter().flatten().chain(answers.horizontal).collect())
+    };
+    let inputs: Vec<Input> =
+        sources.iter().map(|s| Input { distribution: s.distribution, sampled: s.sampled }).collect();
+    let stage = ("uncertainty of the inputs", monitor);
+    let propagated = match or_reason(propagate(&inputs, statics.uncertainty.samples, evaluate, stage))? {
+        Ok(propagated) => propagated,
+        Err(reason) => return Ok(Some(without(reason))),
+    };
+    Ok(Some(record(&sources, &propagated, law, &numbers, springs)))
+}
+
+/// The record of what was propagated, at the loads of the `law` with some `numbers`.
+fn record(
+    sources: &[Source],
+    propagated: &Propagated,
+    law: &NormalCalibration,
+    numbers: &[usize],
+    springs: &StiffnessRecord,
+) -> InputUncertaintyRecord {
+    let reference = springs.reference.as_str();
+    let bands = springs.error_band.as_ref().and_then(|band| band.of(reference));
+    let assumed = springs.assumed.as_ref().and_then(|assumed| assumed.of(reference));
+    let scatters = bands.is_some_and(|band| band.points.iter().any(|p| p.scatter_displacement.is_some()));
+    let mut inputs: Vec<UncertainInputRecord> = sources.iter().map(input_record).collect();
+    let by_effect = |name: &str, distribution: &str| UncertainInputRecord {
+        name: name.into(),
+        key: None,
+        standard: None,
+        unit: String::new(),
+        distribution: distribution.into(),
+    };
+    if scatters {
+        inputs.push(by_effect("scatter of the measured points", "normal"));
+    }
+    if assumed.is_some() {
+        inputs.push(by_effect("assumed bodies and places", "rectangular"));
+    }
+    let half_of = |[less, more]: [f64; 2]| 0.5 * (more - less) / 3.0_f64.sqrt();
+    let extra = |scatter: Option<f64>, of_assumed: Option<f64>| -> Vec<f64> {
+        let scatter = scatters.then(|| scatter.unwrap_or(0.0) / TWICE);
+        let of_assumed = assumed.map(|_| of_assumed.unwrap_or(0.0));
+        scatter.into_iter().chain(of_assumed).collect()
+    };
+    let count = numbers.len();
+    let size = |change: Option<f64>| change.unwrap_or(0.0).abs();
+    let points = numbers.iter().enumerate().map(|(at, &number)| {
+        let band = bands.filter(|band| band.largest().is_some()).map(|band| band.points[number]);
+        let numerical = |[grid, mesh]: [Option<f64>; 2]| size(grid) + size(mesh);
+        let value = |part: usize, numerical: Option<f64>, extra: Vec<f64>| {
+            value_record(propagated, part * count + at, extra, numerical)
+        };
+        let none = || extra(None, None);
+        UncertainPointRecord {
+            force_kn: law.points[number].force / KILONEWTON,
+            displacement: value(
+                0,
+                band.map(|b| numerical([b.grid_displacement, b.mesh_displacement])),
+                extra(band.and_then(|b| b.scatter_displacement), assumed.map(|a| half_of(a.displacement))),
+            ),
+            tangent: value(
+                1,
+                band.map(|b| numerical([b.grid_tangent, b.mesh_tangent])),
+                extra(band.and_then(|b| b.scatter_tangent), assumed.map(|a| half_of(a.tangent))),
+            ),
+            area: value(2, None, none()),
+            pressure: value(3, None, none()),
+        }
+    });
+    let points: Vec<UncertainPointRecord> = points.collect();
+    let horizontal = springs.horizontal.as_ref().zip(springs.horizontal_kn_per_m).map(|(of, stiffness)| {
+        let numerical = of.error_band.as_ref().and_then(|band| band.band);
+        let assumed = springs.assumed.as_ref().and_then(|assumed| assumed.horizontal_kn_per_m);
+        let extra = extra(None, assumed.map(|range| half_of(range.map(|end| end / stiffness))));
+        value_record(propagated, 4 * count, extra, numerical)
+    });
+    InputUncertaintyRecord {
+        inputs,
+        samples: propagated.changes.len(),
+        failed: propagated.failed,
+        points,
+        horizontal,
+        law: propagated.is_enough().then(|| law_record(propagated, law, numbers)).flatten(),
+        missing: None,
+    }
+}
+
+fn input_record(source: &Source) -> UncertainInputRecord {
+    UncertainInputRecord {
+        name: source.name.into(),
+        key: Some(format!("uncertainty.{}", source.key)),
+        standard: Some(source.standard),
+        unit: source.unit.into(),
+        distribution: match source.distribution {
+            Distribution::Normal => "normal",
+            Distribution::Rectangular => "rectangular",
+        }
+        .into(),
+    }
+}
+
+/// What an answer is worth; `extra` are the standard uncertainties of inputs that are known by their effect.
+fn value_record(
+    propagated: &Propagated,
+    answer: usize,
+    extra: Vec<f64>,
+    numerical: Option<f64>,
+) -> UncertainRecord {
+    let Band { linear, sampled, percentiles, shares } = propagated.band(answer);
+    let beside: f64 = extra.iter().map(|change| change * change).sum();
+    let of_inputs = sampled.unwrap_or(linear).powi(2);
+    let whole = (of_inputs + beside).max(f64::MIN_POSITIVE);
+    let half = percentiles.map_or(TWICE * linear, |[low, high]| 0.5 * (high - low));
+    let input = (half * half + TWICE * TWICE * beside).sqrt();
+    UncertainRecord {
+        changes: propagated.linear.iter().map(|of| of[answer]).chain(extra.iter().copied()).collect(),
+        shares: shares
+            .iter()
+            .map(|share| share * of_inputs / whole)
+            .chain(extra.iter().map(|change| change * change / whole))
+            .collect(),
+        linear: (linear * linear + beside).sqrt(),
+        sampled,
+        percentiles,
+        input,
+        numerical,
+        combined: numerical.map(|numerical| numerical.hypot(input)),
+    }
+}
+
+/// The law fitted to the tangents of each sample: those of the law, changed as at the loads of the samples, straight over the logarithm of the load between.
+fn law_record(
+    propagated: &Propagated,
+    law: &NormalCalibration,
+    numbers: &[usize],
+) -> Option<UncertainLawRecord> {
+    let forces: Vec<f64> = law.points.iter().map(|point| point.force).collect();
+    let at: Vec<f64> = numbers.iter().map(|&number| forces[number].ln()).collect();
+    let constants: Vec<[f64; 3]> = propagated
+        .changes
+        .iter()
+        .filter_map(|changes| {
+            let of_tangents = &changes[numbers.len()..2 * numbers.len()];
+            let change = |force: f64| {
+                let place = force.ln();
+                let upper = at.partition_point(|x| *x < place).clamp(1, at.len() - 1);
+                let part = ((place - at[upper - 1]) / (at[upper] - at[upper - 1])).clamp(0.0, 1.0);
+                of_tangents[upper - 1] + part * (of_tangents[upper] - of_tangents[upper - 1])
+            };
+            let tangents: Vec<f64> =
+                law.points.iter().map(|point| point.solid_tangent * change(point.force).exp()).collect();
+            let law = fit_law(&forces, &tangents).ok()?.law;
+            let constants = LawConstants::from(law);
+            Some([constants.a_kn_per_m, constants.b_kn_per_m, constants.c])
+        })
+        .collect();
+    let count = constants.len() as f64;
+    let mean = |i: usize| constants.iter().map(|of| of[i]).sum::<f64>() / count;
+    let means = [mean(0), mean(1), mean(2)];
+    let covariance = Matrix3::from_fn(|i, j| {
+        constants.iter().map(|of| (of[i] - means[i]) * (of[j] - means[j])).sum::<f64>() / (count - 1.0)
+    });
+    let deviation = |i: usize| covariance[(i, i)].sqrt();
+    (count > 1.0).then(|| UncertainLawRecord {
+        a_kn_per_m: deviation(0),
+        b_kn_per_m: deviation(1),
+        c: deviation(2),
+        covariance: std::array::from_fn(|i| std::array::from_fn(|j| covariance[(i, j)])),
+    })
+}
