@@ -4,6 +4,7 @@ use std::path::Path;
 use std::process::Output;
 
 use assert_cmd::Command;
+use serde_json::Value;
 
 fn railspring(folder: &Path, arguments: &[&str]) -> Output {
     Command::cargo_bin("railspring")
@@ -369,6 +370,66 @@ fn contact_writes_table_and_figure() {
     let columns = table.lines().next().unwrap().split(',').count();
     assert!(table.lines().all(|line| line.split(',').count() == columns));
     assert!(std::fs::read_to_string(place.path().join("pair.svg")).unwrap().starts_with("<svg"));
+    // the parameters at every half millimetre up to 4 mm, as table and record
+    let table = std::fs::read_to_string(place.path().join("pair-conicity.csv")).unwrap();
+    let rows: Vec<Vec<&str>> = table.lines().skip(1).map(|line| line.split(',').collect()).collect();
+    assert!(!rows.is_empty() && rows.iter().all(|row| row.len() == 7 && row[2].is_empty()), "{table}");
+    let record: Value =
+        serde_json::from_slice(&std::fs::read(place.path().join("pair.json")).unwrap()).unwrap();
+    let amplitudes = record["amplitudes"].as_array().unwrap();
+    assert_eq!(amplitudes.len(), rows.len());
+    for (row, of) in rows.iter().zip(amplitudes) {
+        let value = of["equivalent_conicity"]["value"].as_f64().unwrap();
+        assert!((value - row[1].parse::<f64>().unwrap()).abs() < 1e-6, "{row:?} {of}");
+    }
+    assert_eq!(record["shifts"].as_array().unwrap().len(), 17);
+    assert_eq!(record["uncertainty_of_profiles"], Value::Null);
+}
+
+/// Source: S1002 on 60E1 has 5 mm to either side; a curve of 500 m has the rolling radii coefficient 500 m over the tightest curve without slip. Goal: what is
+/// printed and recorded beside the conicity, and their uncertainty: it is there, is the same every time, and grows with that of the profiles.
+#[test]
+fn contact_has_parameters_with_their_uncertainty() {
+    let place = tempfile::tempdir().unwrap();
+    let common =
+        ["contact", "S1002", "60E1", "--no-roll", "--shift-mm", "6", "--step-mm", "1", "--curve-m", "500"];
+    let record = |options: &[&str]| -> (String, Value) {
+        let text = output_of(place.path(), &[&common[..], options].concat());
+        (text, serde_json::from_slice(&std::fs::read(place.path().join("contact.json")).unwrap()).unwrap())
+    };
+    let (text, of) = record(&[]);
+    for part in
+        ["amplitude mm", "flange clearance: 5.00 mm to the left, 5.00 mm to the right", "curve of 500 m"]
+    {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    let [radius, coefficient] = ["curve_radius_without_slip_m", "rolling_radii_coefficient"]
+        .map(|name| of[name]["value"].as_f64().unwrap());
+    assert!((coefficient * radius - 500.0).abs() < 1e-9, "{coefficient} {radius}");
+    let uncertainty = |um: &str| {
+        let options = ["--profile-uncertainty-um", um, "--roll-uncertainty-deg", "0.05"];
+        let (text, of) = record(&options);
+        let three = of["amplitudes"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .find(|row| row["amplitude_mm"] == 3.0)
+            .unwrap()
+            .clone();
+        (text, three["equivalent_conicity"]["standard_uncertainty"].as_f64().unwrap())
+    };
+    let (text, small) = uncertainty("2");
+    assert!(text.contains(" ± ") && text.contains("k = 2"), "{text}");
+    assert_eq!(uncertainty("2").1, small);
+    assert!(small > 0.0 && uncertainty("20").1 > 2.0 * small, "{small}");
+    for (options, said) in [
+        (&["--curve-m", "1"][..], "10 to 100000 m"),
+        (&["--profile-uncertainty-um=-1"], "--profile-uncertainty-um"),
+        (&["--roll-uncertainty-deg", "5"], "0 to 2"),
+        (&["--roll-uncertainty-deg", "0.1", "--correlation-mm", "0"], "--correlation-mm"),
+    ] {
+        refused(&[&["contact", "S1002", "60E1", "--step-mm", "1"], options].concat(), &[said]);
+    }
 }
 
 /// Goal: files stand where names do, what is taken for granted and was repaired is said, keys of a study are taken, and the left side may be another one: its

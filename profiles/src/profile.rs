@@ -8,6 +8,7 @@ mod kind;
 mod spline;
 mod curve_parts;
 mod curve;
+mod offset;
 mod followed;
 mod segment;
 mod sketch;

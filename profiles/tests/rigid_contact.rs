@@ -1,9 +1,7 @@
 //! Rigid contact of wheelsets against independent tables.
 
-use nalgebra::{Point2, Vector2};
-use railspring_profiles::placement::{PlacedRail, TrackGeometry, place_rail, touch};
+use railspring_profiles::placement::{TrackGeometry, place_rail, touch};
 use railspring_profiles::profile::wheels::wheel_profile;
-use railspring_profiles::profile::{ProfileCurve, Segment};
 use railspring_profiles::rigid_contact::{Roll, RunningFunction, WheelOnRail, Wheelset, WheelsetPosition};
 use railspring_profiles::section::rail_section;
 use railspring_testing::facts_text as facts;
@@ -68,80 +66,6 @@ fn first_touch_follows_the_benchmark() {
     }
     println!("{compared} rows, worst height, rail, wheel (mm), angle (rad): {worst:?}; jumps {near_jumps:?}");
     assert!(compared > 65, "{compared}");
-}
-
-/// A reference profile of EN 15302 as a curve; a break at every zone.
-fn reference(table: &str, name: &str, origin: Vector2<f64>) -> ProfileCurve {
-    let mut segments: Vec<Segment> = Vec::new();
-    for row in rows(table).filter(|r| r[0] == name) {
-        let value = |i: usize| row[i].parse::<f64>().unwrap();
-        let z = |y: f64| match row[4] {
-            "line" => value(8) + value(9) * y,
-            kind => {
-                let height = (value(6).powi(2) - (y - value(7)).powi(2)).max(0.0).sqrt();
-                value(5) + if kind == "arc_upper" { height } else { -height }
-            }
-        };
-        let place = |y: f64, z: f64| Point2::new(y, z) * 1e-3 + origin;
-        let [start, end] = [2, 3].map(|i| place(value(i), z(value(i))));
-        // The zones meet with steps of up to 1 µm, roundings of the tables: each is raised to its neighbour, which
-        // keeps its slopes.
-        let raised = segments.last().map_or_else(Vector2::zeros, |last| last.end() - start);
-        segments.push(if row[4] == "line" {
-            Segment::line(start + raised, end + raised)
-        } else {
-            Segment::arc(place(value(7), value(5)) + raised, start + raised, end + raised)
-        });
-    }
-    ProfileCurve::from_segments(&segments, 0.1e-3)
-}
-
-/// Source: EN 15302:2021, rolling-radius difference of the profiles A, B, C, H, I on rail A
-/// (`geometry/en15302_2021_deltaR.csv`, mm; "mod": the left wheel's diameter is 2 mm less). Goal: the difference
-/// without roll. Accuracy: 0.005 mm except the rows flagged there (jumps between arcs, misprints).
-#[test]
-fn rolling_radius_difference_of_en_15302() {
-    const TAPE: f64 = 0.750;
-    let Some(profiles) = facts("geometry/en15302_profiles.csv") else { return };
-    let Some(table) = facts("geometry/en15302_2021_deltaR.csv") else { return };
-    let rail = reference(&profiles, "rail A", Vector2::new(TAPE, 0.0));
-    let side = |wheel: char, radius: f64| WheelOnRail {
-        rail: PlacedRail { curve: rail.clone(), angle: 0.0, origin: Point2::origin() },
-        wheel: reference(&profiles, &format!("wheel {wheel}"), Vector2::zeros()),
-        radius,
-    };
-    let (mut compared, mut at_jumps, mut worst) = (0, 0, 0.0f64);
-    let mut names: Vec<&str> = rows(&table).map(|r| r[0]).collect();
-    names.dedup();
-    for name in names {
-        let letters: Vec<char> = name.trim_end_matches("mod").chars().collect();
-        let left_radius = if name.ends_with("mod") { 0.459 } else { 0.460 };
-        // Two letters: right and left wheel differ.
-        let left = side(letters[letters.len() - 1], left_radius);
-        let wheelset = Wheelset { left, right: side(letters[0], 0.460), tape_y: TAPE };
-        for row in rows(&table).filter(|r| r[0] == name && r[5] == "ok") {
-            let value = |i: usize| row[i].parse::<f64>().unwrap();
-            let position =
-                WheelsetPosition { lateral_shift: 1e-3 * value(1), yaw: 0.0, roll: Roll::Fixed(0.0) };
-            // At a jump the tables' roundings (up to 0.1 µm at the tread) decide which of two places touches.
-            let both = wheelset.contacts(&position, 0.1e-6).unwrap();
-            let off = both
-                .right
-                .points
-                .iter()
-                .flat_map(|r| both.left.points.iter().map(|l| 1e3 * (r.rolling_radius - l.rolling_radius)))
-                .map(|difference| difference - value(2))
-                .min_by(|a, b| a.abs().total_cmp(&b.abs()))
-                .unwrap();
-            assert!(off.abs() < 0.005, "{name} at {}: off by {off} from {}", value(1), value(2));
-            at_jumps += usize::from(both.right.points.len() + both.left.points.len() > 2);
-            worst = worst.max(off.abs());
-            compared += 1;
-        }
-    }
-    println!("{compared} rows, {at_jumps} at jumps, worst {worst} mm");
-    assert!(at_jumps < 20, "{at_jumps}");
-    assert!(compared > 1400, "{compared}");
 }
 
 /// Source: an independent calculation checked by the tables of EN 15302

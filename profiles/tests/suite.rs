@@ -1,5 +1,7 @@
 //! All tests of this package that are not unit tests, in one program: they are linked once, and no core waits for the last test of a file.
 
+mod contact_parameters;
+mod en15302;
 mod first_touch;
 mod joined;
 mod profile_contents;

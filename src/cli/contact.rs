@@ -1,23 +1,26 @@
 //! The subcommand `profile contact`: rigid contact over the lateral shift.
 
+mod parameters;
+mod picture;
+
 use std::fmt::Write;
 use std::path::PathBuf;
 
 use clap::Args;
-use railspring_profiles::error::InputError;
+use railspring_profiles::error::{Error, InputError};
 use railspring_profiles::rigid_contact::{
-    ContactPoint, Roll, RunningFunction, RunningPoint, SideContact, WheelOnRail, Wheelset, WheelsetContact,
-    WheelsetPosition,
+    ContactFunctions, ContactPoint, ProfileUncertainty, Roll, RunningFunction, WheelOnRail, Wheelset,
+    WheelsetContact, WheelsetPosition,
 };
 use railspring_profiles::units::MILLIMETRE;
 
+use self::parameters::{Found, Record, SAMPLES, amplitudes};
+use self::picture::picture;
 use super::failure::Failure;
 use super::output::{remark, say};
 use super::pair_args::{Given, Named, by_option, named};
 use super::set_args::{SetArgs, setting};
 use super::shapes::write;
-use crate::report::panel::{Panel, stacked};
-use crate::report::plot::{BLUE, DARK, Dash, GREY, RED, Series};
 use crate::results::bodies::geometry::geometry;
 use crate::results::bodies::sections::repairs;
 use crate::study::{Setting, Study};
@@ -57,7 +60,20 @@ pub(super) struct ContactArgs {
     /// Keep the axle level instead of letting both wheels touch
     #[arg(long)]
     no_roll: bool,
-    /// Prefix of the files to write: PREFIX.csv and PREFIX.svg
+    /// Radius of a curve for the rolling radii coefficient, m
+    #[arg(long, value_name = "M")]
+    curve_m: Option<f64>,
+    /// Standard uncertainty of the form of the measured profiles, µm; the parameters are printed with the uncertainty (k = 2) that follows
+    #[arg(long, value_name = "UM")]
+    profile_uncertainty_um: Option<f64>,
+    /// Standard uncertainty of the roll of each measured profile, degrees; as --profile-uncertainty-um
+    #[arg(long, value_name = "DEG")]
+    roll_uncertainty_deg: Option<f64>,
+    /// Correlation length of the errors of the form along the profile, mm
+    #[arg(long, value_name = "MM", default_value_t = 10.0)]
+    correlation_mm: f64,
+    /// Prefix of the files to write: PREFIX.csv has the contact points, PREFIX-conicity.csv the parameters over the amplitude, PREFIX.json all
+    /// parameters and functions, PREFIX.svg the figure
     #[arg(short, long, value_name = "PREFIX", default_value = "contact")]
     output: PathBuf,
 }
@@ -85,6 +101,30 @@ impl ContactArgs {
             _ => right.clone(),
         };
         Ok(Wheelset { left, right, tape_y })
+    }
+
+    /// The uncertainty of the profiles, if one is given.
+    fn uncertainty(&self) -> Result<Option<ProfileUncertainty>, Failure> {
+        if self.profile_uncertainty_um.is_none() && self.roll_uncertainty_deg.is_none() {
+            return Ok(None);
+        }
+        let (form_um, roll_deg) =
+            (self.profile_uncertainty_um.unwrap_or(0.0), self.roll_uncertainty_deg.unwrap_or(0.0));
+        for (option, value, least, greatest) in [
+            ("--profile-uncertainty-um", form_um, 0.0, 1000.0),
+            ("--roll-uncertainty-deg", roll_deg, 0.0, 2.0),
+            ("--correlation-mm", self.correlation_mm, 2.0, 1000.0),
+        ] {
+            if !(least..=greatest).contains(&value) {
+                let expected = format!("{least} to {greatest}");
+                return Err(InputError::new(option, value, expected, "check the value and its unit").into());
+            }
+        }
+        Ok(Some(ProfileUncertainty {
+            form: 1e-3 * form_um * MILLIMETRE,
+            correlation: self.correlation_mm * MILLIMETRE,
+            roll: roll_deg.to_radians(),
+        }))
     }
 
     /// A side from names or files with these settings, which `option` gives, and the distance of its tape circle from the middle of the track, m.
@@ -129,16 +169,21 @@ type Shifts = [(f64, WheelsetContact)];
 
 /// Runs the subcommand.
 pub(super) fn contact(args: &ContactArgs) -> Result<(), Failure> {
+    let uncertainty = args.uncertainty()?;
+    if let Some(curve) = args.curve_m.filter(|curve| !(10.0..=1e5).contains(curve)) {
+        return Err(InputError::new("--curve-m", curve, "10 to 100000 m", "check its unit").into());
+    }
     let wheelset = args.wheelset()?;
     let rows = contacts(args, &wheelset, args.shift_mm, args.step_mm)?;
-    let function = running_function(&rows)?;
-    let conicity = conicity(&function, args.shift_mm);
+    let functions = ContactFunctions::from_contacts(&wheelset, &rows)?;
+    let found = found(args, uncertainty, &wheelset, &functions)?;
     say("shift mm   y rail mm   y wheel mm   angle rad   radius mm   difference mm   (right wheel)")?;
-    for line in whole_millimetres(&wheelset, &rows, &function) {
+    for line in whole_millimetres(&wheelset, &rows, functions.running()) {
         say(&line)?;
     }
-    match conicity.iter().find(|(a, _)| *a == AMPLITUDE_MM) {
-        Some((amplitude, tangent)) => say(&format!("equivalent conicity at {amplitude} mm: {tangent:.4}"))?,
+    found.table().iter().try_for_each(|line| say(line))?;
+    match found.conicity_text(AMPLITUDE_MM) {
+        Some(tangent) => say(&format!("equivalent conicity at {AMPLITUDE_MM} mm: {tangent}"))?,
         None => say(&match enough_shift(args, &wheelset)? {
             Some(shift) => format!(
                 "no equivalent conicity at {AMPLITUDE_MM} mm: its wave needs shifts up to {shift:.2} mm, give --shift-mm {shift:.2}"
@@ -148,13 +193,56 @@ pub(super) fn contact(args: &ContactArgs) -> Result<(), Failure> {
             ),
         })?,
     }
-    if let Some(slope) = function.nonlinearity() {
-        say(&format!("nonlinearity parameter, from 2 to 4 mm: {:.4} 1/mm", slope * MILLIMETRE))?;
+    found.lines().iter().try_for_each(|line| say(line))?;
+    let prefix = args.output.with_extension("");
+    let file = |ending: &str| {
+        let mut name = prefix.clone().into_os_string();
+        name.push(ending);
+        PathBuf::from(name)
+    };
+    for (file, content) in [
+        (file(".csv"), csv(&wheelset, &rows)),
+        (file("-conicity.csv"), found.csv()),
+        (file(".json"), json(&found.record(&functions))),
+        (file(".svg"), picture(&wheelset, &rows, &functions, &found)),
+    ] {
+        write(&file, &content)?;
+        say(&file.display().to_string())?;
     }
-    let (table, figure) = (args.output.with_extension("csv"), args.output.with_extension("svg"));
-    write(&table, &csv(&wheelset, &rows))?;
-    write(&figure, &picture(&wheelset, &rows, &function, conicity))?;
-    Ok(say(&format!("{}\n{}", table.display(), figure.display()))?)
+    Ok(())
+}
+
+/// A record as text.
+fn json(record: &Record) -> String {
+    serde_json::to_string_pretty(record).expect("a record is plain data") + "\n"
+}
+
+/// The parameters, with their uncertainty where that of the profiles is given.
+fn found(
+    args: &ContactArgs,
+    uncertainty: Option<ProfileUncertainty>,
+    wheelset: &Wheelset,
+    functions: &ContactFunctions,
+) -> Result<Found, Failure> {
+    let amplitudes_mm = amplitudes(args.shift_mm);
+    let amplitudes: Vec<f64> = amplitudes_mm.iter().map(|a| a * MILLIMETRE).collect();
+    let clearance = wheelset.flange_clearance();
+    let parameters = functions.parameters(&amplitudes, clearance);
+    let uncertain = match uncertainty {
+        None => None,
+        Some(uncertainty) => {
+            let of = |wheelset: &Wheelset| {
+                let rows = contacts(args, wheelset, args.shift_mm, args.step_mm)?;
+                let functions = ContactFunctions::from_contacts(wheelset, &rows)?;
+                let parameters = functions.parameters(&amplitudes, wheelset.flange_clearance());
+                let coefficient = Found::coefficient(args.curve_m, &parameters);
+                Ok(parameters.values().into_iter().chain([coefficient]).collect())
+            };
+            remark(&format!("the uncertainty takes {SAMPLES} times as long as the table"));
+            Some((uncertainty, uncertainty.propagate(wheelset, SAMPLES, of)?))
+        }
+    };
+    Ok(Found { amplitudes_mm, parameters, clearance, curve: args.curve_m, uncertain })
 }
 
 /// Amplitude of the equivalent conicity that is printed, mm.
@@ -169,7 +257,8 @@ fn enough_shift(args: &ContactArgs, wheelset: &Wheelset) -> Result<Option<f64>, 
     let enough = |tenths: u32| -> Result<bool, Failure> {
         let shift_mm = f64::from(tenths) / PER_MM;
         let rows = contacts(args, wheelset, shift_mm, shift_mm.min(1.0 / PER_MM))?;
-        Ok(running_function(&rows)?.equivalent_conicity(AMPLITUDE_MM * MILLIMETRE).is_some())
+        let functions = ContactFunctions::from_contacts(wheelset, &rows)?;
+        Ok(functions.running().equivalent_conicity(AMPLITUDE_MM * MILLIMETRE).is_some())
     };
     let (mut low, mut high) = ((PER_MM * AMPLITUDE_MM) as u32 - 1, (PER_MM * MOST_SHIFT_MM) as u32);
     if !enough(high)? {
@@ -188,7 +277,7 @@ fn contacts(
     wheelset: &Wheelset,
     shift_mm: f64,
     step_mm: f64,
-) -> Result<Vec<(f64, WheelsetContact)>, Failure> {
+) -> Result<Vec<(f64, WheelsetContact)>, Error> {
     let parts = (2.0 * shift_mm / step_mm).round();
     if !(2.0..=100_000.0).contains(&parts) {
         return Err(InputError::new(
@@ -208,23 +297,6 @@ fn contacts(
         rows.push((lateral_shift, wheelset.contacts(&position, gap)?));
     }
     Ok(rows)
-}
-
-/// Rolling-radius difference of the first contact points over the shift.
-fn running_function(rows: &Shifts) -> Result<RunningFunction, Failure> {
-    let radius = |side: &SideContact| side.points[0].rolling_radius;
-    let point = |(shift, both): &(f64, WheelsetContact)| RunningPoint {
-        shift: *shift,
-        difference: radius(&both.right) - radius(&both.left),
-    };
-    Ok(RunningFunction::from_points(rows.iter().map(point).collect())?)
-}
-
-/// Equivalent conicity at every half millimetre of amplitude, mm, up to the largest shift.
-fn conicity(function: &RunningFunction, largest_mm: f64) -> Vec<(f64, f64)> {
-    let amplitudes = (1..).map(|i| 0.5 * f64::from(i)).take_while(|a| *a <= largest_mm);
-    let of = |a: f64| function.equivalent_conicity(a * MILLIMETRE).map(|tangent| (a, tangent));
-    amplitudes.filter_map(of).collect()
 }
 
 /// Lateral position of a contact point in the wheel's profile frame, mm.
@@ -281,56 +353,4 @@ fn whole_millimetres(wheelset: &Wheelset, rows: &Shifts, function: &RunningFunct
         )
     })
     .collect()
-}
-
-/// Wheel above rail with lines between the points that touch, rolling-radius difference and conicity.
-fn picture(
-    wheelset: &Wheelset,
-    rows: &Shifts,
-    function: &RunningFunction,
-    conicity: Vec<(f64, f64)>,
-) -> String {
-    /// How far the wheel is drawn above the rail, mm.
-    const LIFT: f64 = 25.0;
-    /// About this many lines are drawn.
-    const LINES: usize = 32;
-    let side = &wheelset.right;
-    let on_rail = |p: nalgebra::Point2<f64>| (p.x / MILLIMETRE, -p.y / MILLIMETRE);
-    let on_wheel = |p: nalgebra::Point2<f64>| ((p.x + wheelset.tape_y) / MILLIMETRE, LIFT - p.y / MILLIMETRE);
-    let sample = 0.25 * MILLIMETRE;
-    let rail: Vec<_> = side.rail.curve.sample(sample).into_iter().map(on_rail).collect();
-    let wheel: Vec<_> = side.wheel.sample(sample).into_iter().map(on_wheel).collect();
-    // Lines are parted by a point that is not finite.
-    let mut lines = Vec::new();
-    for (_, both) in rows.iter().step_by(rows.len().div_ceil(LINES)) {
-        for p in &both.right.points {
-            lines.push(on_wheel(side.wheel.point(p.wheel_s)));
-            lines.push(on_rail(side.rail.curve.point(p.rail_s)));
-            lines.push((f64::NAN, f64::NAN));
-        }
-    }
-    let difference =
-        function.points().iter().map(|p| (p.shift / MILLIMETRE, p.difference / MILLIMETRE)).collect();
-    let panels = [
-        Panel::new(
-            "y from the track centre, wheelset in the middle (mm)",
-            "height, the wheel lifted (mm)",
-            vec![
-                Series::line("points that touch", lines, RED, Dash::Solid),
-                Series::line("wheel", wheel, DARK, Dash::Solid),
-                Series::line("rail", rail, GREY, Dash::Solid),
-            ],
-        ),
-        Panel::new(
-            "lateral shift (mm)",
-            "rolling-radius difference (mm)",
-            vec![Series::line("rolling-radius difference", difference, BLUE, Dash::Solid)],
-        ),
-        Panel::from_zero(
-            "amplitude (mm)",
-            "equivalent conicity",
-            vec![Series::line("equivalent conicity", conicity, DARK, Dash::Dashed)],
-        ),
-    ];
-    stacked(760, 330, &panels)
 }

@@ -100,19 +100,20 @@ pub(super) fn minima(
         let ((r, dr), (w, dw)) = (rail.slopes(rail.s_at(y)), wheel.slopes(wheel.s_at(y)));
         (r - w, dr - dw)
     };
-    let samples: Vec<(Minimum, f64)> = (0..=parts).map(|i| (clearance(at(i)), slope(at(i)).0)).collect();
-    let least = samples.iter().map(|sample| sample.0.gap).fold(f64::INFINITY, f64::min);
+    let samples: Vec<Minimum> = (0..=parts).map(|i| clearance(at(i))).collect();
+    let least = samples.iter().map(|sample| sample.gap).fold(f64::INFINITY, f64::min);
     // Between two samples on a flange face of 75° the clearance can still fall by this much.
     const SLACK: f64 = 4.0 * STEP;
+    let slope_at = |sample: &Minimum| rail.slopes(sample.rail_s).0 - wheel.slopes(sample.wheel_s).0;
     let mut found = Vec::new();
     for i in 0..parts {
-        let ((from, falls), (to, rises)) = (samples[i], samples[i + 1]);
-        if from.gap.min(to.gap) <= least + gap + SLACK && falls < 0.0 && rises >= 0.0 {
+        let (from, to) = (&samples[i], &samples[i + 1]);
+        if from.gap.min(to.gap) <= least + gap + SLACK && slope_at(from) < 0.0 && slope_at(to) >= 0.0 {
             found.push(clearance(bracketed_newton(slope, at(i), at(i + 1))));
         }
     }
     // An end is the lowest place of a wheel that hangs on it.
-    found.extend([samples[0].0, samples[parts].0]);
+    found.extend([samples[0], samples[parts]]);
     found.sort_by(|a, b| a.gap.total_cmp(&b.gap).then(a.rail_s.total_cmp(&b.rail_s)));
     let height = found[0].gap;
     let at_end = |curve: &ProfileCurve, s: f64| s < AT_END || s > curve.length() - AT_END;

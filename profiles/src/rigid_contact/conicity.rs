@@ -29,7 +29,21 @@ impl RunningFunction {
     ///
     /// # Errors
     /// As [`Wheelset::contacts`], and [`InputError`] for a range that is empty or longer than 100 000 steps.
-    pub fn of(wheelset: &Wheelset, [from, to]: [f64; 2], step: f64, roll: Roll) -> Result<Self> {
+    pub fn of(wheelset: &Wheelset, range: [f64; 2], step: f64, roll: Roll) -> Result<Self> {
+        let points = Self::shifts(range, step)?
+            .into_iter()
+            .map(|shift| {
+                let position = WheelsetPosition { lateral_shift: shift, yaw: 0.0, roll };
+                let both = wheelset.contacts(&position, 0.0)?;
+                let difference = both.right.points[0].rolling_radius - both.left.points[0].rolling_radius;
+                Ok(RunningPoint { shift, difference })
+            })
+            .collect::<Result<Vec<_>>>()?;
+        Self::from_points(points)
+    }
+
+    /// The shifts from `from` to `to` (m), `step` apart.
+    pub(super) fn shifts([from, to]: [f64; 2], step: f64) -> Result<Vec<f64>> {
         let parts = ((to - from) / step).round();
         if !(1.0..=1e5).contains(&parts) {
             return InputError::refuse(
@@ -39,16 +53,7 @@ impl RunningFunction {
                 "give a range from left to right and a step that fits",
             );
         }
-        let points = (0..=parts as usize)
-            .map(|i| {
-                let shift = from + (to - from) * i as f64 / parts;
-                let position = WheelsetPosition { lateral_shift: shift, yaw: 0.0, roll };
-                let both = wheelset.contacts(&position, 0.0)?;
-                let difference = both.right.points[0].rolling_radius - both.left.points[0].rolling_radius;
-                Ok(RunningPoint { shift, difference })
-            })
-            .collect::<Result<Vec<_>>>()?;
-        Self::from_points(points)
+        Ok((0..=parts as usize).map(|i| from + (to - from) * i as f64 / parts).collect())
     }
 
     /// From given points, in increasing order of the shift.
@@ -102,21 +107,16 @@ impl RunningFunction {
     /// Equivalent conicity tan γ for the `amplitude` (m): that of the cone whose kinematic oscillation has the same
     /// wavelength, by integration of the equation of motion (EN 15302), roll neglected.
     ///
-    /// `None` where the wheelset does not swing about a shift within the range: the difference is not restoring, or the
-    /// points do not reach that far.
+    /// It is 0 where the difference is 0 all the way. `None` where the wheelset does not swing about a shift within the range: the difference
+    /// is not restoring, or the points do not reach that far.
     pub fn equivalent_conicity(&self, amplitude: f64) -> Option<f64> {
-        let [first, last] = [self.points[0].shift, self.points[self.points.len() - 1].shift];
-        if !(amplitude > 0.0 && first + 2.0 * amplitude <= last) {
-            return None;
+        // ROUNDOFF: of the potential, as conicity; below it there is no restoring difference, nor a wave.
+        const ROUNDOFF: f64 = 1e-9;
+        let middle = self.middle(amplitude)?;
+        let top = self.potential(middle - amplitude);
+        if (top - self.potential(middle)).abs() < ROUNDOFF * amplitude * amplitude {
+            return Some(0.0);
         }
-        // Turning points have the same potential: the one on the left, by bisection.
-        let (low, high) = (first, last - 2.0 * amplitude);
-        let climbs = |left: f64| self.potential(left + 2.0 * amplitude) - self.potential(left);
-        if climbs(low) > 0.0 || climbs(high) < 0.0 {
-            return None;
-        }
-        let left = bisection(low, high, |left| climbs(left) > 0.0);
-        let (middle, top) = (left + amplitude, self.potential(left));
         // With y = middle + amplitude sin θ the integrand is finite at the turning points.
         const PARTS: usize = 4000;
         let mut integral = 0.0;
@@ -129,6 +129,23 @@ impl RunningFunction {
             integral += amplitude * angle.cos() / depth.sqrt() * PI / PARTS as f64;
         }
         Some((PI / integral).powi(2))
+    }
+
+    /// Shift about which the wheelset swings with the `amplitude` (m): that between two turning points with the same potential, m.
+    ///
+    /// `None` where there are no such points within the range.
+    pub fn middle(&self, amplitude: f64) -> Option<f64> {
+        let [first, last] = [self.points[0].shift, self.points[self.points.len() - 1].shift];
+        if !(amplitude > 0.0 && first + 2.0 * amplitude <= last) {
+            return None;
+        }
+        // The turning point on the left, by bisection.
+        let (low, high) = (first, last - 2.0 * amplitude);
+        let climbs = |left: f64| self.potential(left + 2.0 * amplitude) - self.potential(left);
+        if climbs(low) > 0.0 || climbs(high) < 0.0 {
+            return None;
+        }
+        Some(bisection(low, high, |left| climbs(left) > 0.0) + amplitude)
     }
 
     /// Nonlinearity parameter, 1/m (publications: 1/mm): the slope of the equivalent conicity from 2 to 4 mm of amplitude
@@ -173,6 +190,14 @@ mod tests {
         assert!((step.nonlinearity().unwrap() / expected - 1.0).abs() < 0.01, "{:?}", step.nonlinearity());
         let found = step.equivalent_conicity(3e-3).unwrap();
         assert!((found / (PI * PI * 1e-3 / (16.0 * 3e-3)) - 1.0).abs() < 2e-3, "{found}");
+    }
+
+    /// Source: EN 15302:2021 has the conicity 0 for wheels I, whose rolling-radius difference is 0 up to ±1.7 mm.
+    #[test]
+    fn no_difference_is_no_conicity() {
+        let flat_inside = function(|y| if y.abs() < 1.7e-3 { 0.0 } else { 2e-3 * y.signum() });
+        assert_eq!(flat_inside.equivalent_conicity(1e-3), Some(0.0));
+        assert!(flat_inside.equivalent_conicity(2e-3).unwrap() > 0.1);
     }
 
     #[test]
