@@ -21,6 +21,7 @@ mod everyday;
 mod exports;
 mod field_files;
 mod horizontal;
+mod input_uncertainty;
 mod interrupted_tables;
 mod killed_runs;
 mod leave_one_out;

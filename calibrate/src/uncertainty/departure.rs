@@ -1,7 +1,7 @@
 //! A pair whose inputs are other ones than was taken.
 
 use crate::pair::Pair;
-use nalgebra::{Point2, Vector2};
+use nalgebra::Vector2;
 use railspring_profiles::error::{InputError, Result};
 use railspring_profiles::placement::TrackGeometry;
 use railspring_profiles::profile::ProfileCurve;
@@ -12,9 +12,8 @@ use std::f64::consts::TAU;
 /// How far surfaces may be moved off the nodes of bodies that carry them, m. On the bodies of the unworn profiles, surfaces up to 3 mm off have
 /// displacements within 1.6 %; half of that keeps it below what is asked here, a change of the displacement.
 pub const FARTHEST: f64 = 1.5 * MILLIMETRE;
-/// Largest distance of points of a running surface that has waves, m, and how far it may depart from its chords.
+/// Largest distance of points of a running surface that has waves, m.
 const STEP: f64 = 0.5 * MILLIMETRE;
-const CHORD: f64 = 1e-7;
 
 /// By how much the inputs of a pair depart from what they are taken to be.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -54,7 +53,7 @@ impl Departure {
                 &pair.rail.running.transformed(self.rail_roll, Vector2::zeros()),
                 self.rail_waves,
                 self.wavelength,
-            )?,
+            ),
             ..pair.rail.clone()
         };
         let wheel = WheelSection {
@@ -62,7 +61,7 @@ impl Departure {
                 &pair.wheel.running.transformed(self.wheel_roll, Vector2::zeros()),
                 self.wheel_waves,
                 self.wavelength,
-            )?,
+            ),
             radius: pair.wheel.radius + self.radius,
             ..pair.wheel.clone()
         };
@@ -94,23 +93,13 @@ impl Departure {
 }
 
 /// A curve with waves across it, of amplitudes of a cosine and a sine over the arc length (m) and of a length (m).
-fn waved(curve: &ProfileCurve, [cosine, sine]: [f64; 2], wavelength: f64) -> Result<ProfileCurve> {
+fn waved(curve: &ProfileCurve, [cosine, sine]: [f64; 2], wavelength: f64) -> ProfileCurve {
     if cosine == 0.0 && sine == 0.0 {
-        return Ok(curve.clone());
+        return curve.clone();
     }
-    let at = curve.sample_adaptive(STEP, CHORD);
-    let points: Vec<Point2<f64>> = at
-        .iter()
-        .map(|&s| {
-            let phase = TAU * s / wavelength;
-            curve.point(s) + curve.upward_normal(s) * (cosine * phase.cos() + sine * phase.sin())
-        })
-        .collect();
-    let kinks: Vec<usize> = curve
-        .kinks()
-        .iter()
-        .filter_map(|kink| at.iter().position(|s| (s - kink).abs() < 1e-12))
-        .filter(|&i| i > 0 && i + 1 < at.len())
-        .collect();
-    ProfileCurve::from_points(&points, &kinks)
+    let number = TAU / wavelength;
+    curve.offset(STEP, |s| {
+        let (up, along) = (number * s).sin_cos();
+        [cosine * along + sine * up, number * (sine * along - cosine * up)]
+    })
 }
