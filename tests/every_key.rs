@@ -193,6 +193,7 @@ const CHANGED: &[Changed] = &[
     ("scenario.*.rail_torsion.phase_deg", SWINGING_TORSION, "10"),
     ("scenario.*.start_x_m", PLAIN, "0.25"),
     ("scenario.*.speed_m_per_s", PLAIN, "1"),
+    ("scenario.*.ratio_limit", PLAIN, "0.8"),
     ("scenario.*.rotations_held", PLAIN, "false"),
     ("scenario.*.solid", PLAIN, "false"),
     ("scenario.*.snapshots_s", PLAIN, "[0.001]"),

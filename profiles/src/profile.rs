@@ -8,7 +8,6 @@ mod kind;
 mod spline;
 mod curve_parts;
 mod curve;
-mod offset;
 mod followed;
 mod segment;
 mod sketch;
@@ -20,6 +19,7 @@ pub mod rails;
 pub mod rail_catalogue;
 pub mod lines_and_arcs;
 pub mod wheels;
+mod offset;
 
 pub use curve::ProfileCurve;
 pub use curve_parts::CurveParts;

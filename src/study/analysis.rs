@@ -130,6 +130,8 @@ pub struct StudyScenario {
     pub scenario: Scenario,
     /// Whether the solid model runs too.
     pub solid: bool,
+    /// Largest size of Q/P over 2 m of track that is accepted.
+    pub ratio_limit: Option<f64>,
     /// Times at which the report draws the contact positions, s.
     pub snapshots: Vec<f64>,
     /// What has to be known before it runs: values of the publication that it takes, the end of the rail, loads beyond the calibration.

@@ -314,6 +314,7 @@ fn scenario(keys: &ScenarioKeys, friction: f64) -> StudyScenario {
     StudyScenario {
         description: keys.description.clone(),
         solid: keys.solid,
+        ratio_limit: keys.ratio_limit,
         snapshots: keys.snapshots_s.clone(),
         notes: Vec::new(),
         scenario: Scenario {

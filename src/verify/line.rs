@@ -13,6 +13,8 @@ pub enum Kind {
     Verification,
     /// The result agrees with one that another program printed.
     CrossCode,
+    /// The result keeps a limit that the user has set.
+    Acceptance,
 }
 
 /// What a line holds by.

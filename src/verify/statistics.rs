@@ -77,7 +77,7 @@ pub(super) fn differences([a, b]: [&History; 2], rows: Range<usize>, limits: &Li
 }
 
 /// The value below which a share of the ascending values lies, on straight lines between them.
-fn quantile(ascending: &[f64], share: f64) -> f64 {
+pub(super) fn quantile(ascending: &[f64], share: f64) -> f64 {
     let place = share * (ascending.len() - 1) as f64;
     let (below, above) = (ascending[place.floor() as usize], ascending[place.ceil() as usize]);
     below + place.fract() * (above - below)

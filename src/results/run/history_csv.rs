@@ -15,6 +15,7 @@ use railspring_simulate::time::history::{ContactMode, ContactState, Ending, Hist
 use serde_json::Value;
 
 use crate::engine::columns::{Cell, Column, columns, csv_of_texts, properties, schema};
+use crate::verify::low_passed;
 
 /// Columns before those of the contacts.
 fn of_row() -> Vec<Column<HistoryRow>> {
@@ -42,6 +43,41 @@ fn of_row() -> Vec<Column<HistoryRow>> {
     }
 }
 
+/// The forces of a row below 20 Hz (EN 14363), kN.
+#[derive(Debug, Clone, Copy, Default)]
+struct LowPassed {
+    p: Option<f64>,
+    q: Option<f64>,
+}
+
+impl LowPassed {
+    /// Of all rows. They are made from what the file has of the rows, with its digits, so that a history that was read has the same.
+    fn of(rows: &[HistoryRow]) -> Vec<Self> {
+        let written = |value: f64| number(value).parse().unwrap_or(value);
+        let times: Vec<f64> = rows.iter().map(|row| written(row.time)).collect();
+        let of = |force: fn(&HistoryRow) -> f64| {
+            low_passed(&times, rows.iter().map(|row| written(force(row) / KILONEWTON)).collect())
+        };
+        match (of(|row| row.vertical_force), of(|row| row.lateral_force)) {
+            (Some(p), Some(q)) => {
+                p.into_iter().zip(q).map(|(p, q)| Self { p: Some(p), q: Some(q) }).collect()
+            }
+            _ => vec![Self::default(); rows.len()],
+        }
+    }
+}
+
+/// Columns of the forces below 20 Hz, which follow those of the row.
+fn of_low_passed() -> Vec<Column<LowPassed>> {
+    columns! { LowPassed:
+        "p_20hz_kn", "P below 20 Hz by EN 14363, kN, 21 ms late; none where time steps are unequal or longer than 5 ms",
+            |at| at.p;
+        "q_20hz_kn", "The same of Q, kN", |at| at.q;
+        "q_over_p_20hz", "Q over P of these two; none where P is not positive",
+            |at| at.p.zip(at.q).filter(|(p, _)| *p > 0.0).map(|(p, q)| q / p);
+    }
+}
+
 /// Columns of one contact, with its number in the place of the star.
 fn of_contact() -> Vec<Column<Option<ContactState>>> {
     columns! { Option<ContactState>:
@@ -61,6 +97,7 @@ fn of_contact() -> Vec<Column<Option<ContactState>>> {
 /// The JSON schema of a row.
 pub fn row_schema() -> Value {
     let mut all = properties(&of_row());
+    all.extend(properties(&of_low_passed()));
     all.extend(properties(&of_contact()));
     schema(
         "HistoryRow",
@@ -77,13 +114,20 @@ const CONTACTS_AT_LEAST: usize = 2;
 /// A file with room for some contacts.
 struct Layout {
     of_row: Vec<Column<HistoryRow>>,
+    /// None in a file of a version without them.
+    of_low_passed: Vec<Column<LowPassed>>,
     of_contact: Vec<Column<Option<ContactState>>>,
     contacts: usize,
 }
 
 impl Layout {
     fn new(contacts: usize) -> Self {
-        Self { of_row: of_row(), of_contact: of_contact(), contacts }
+        Self { of_row: of_row(), of_low_passed: of_low_passed(), of_contact: of_contact(), contacts }
+    }
+
+    /// Columns before those of the contacts.
+    fn before_contacts(&self) -> usize {
+        self.of_row.len() + self.of_low_passed.len()
     }
 
     /// Names of the columns.
@@ -92,18 +136,30 @@ impl Layout {
             self.of_contact.iter().map(move |column| column.name.replace('*', &number.to_string()))
         };
         let of_row = self.of_row.iter().map(|column| column.name.to_owned());
+        let of_row = of_row.chain(self.of_low_passed.iter().map(|column| column.name.to_owned()));
         of_row.chain((1..=self.contacts).flat_map(of_contact)).collect()
     }
 
     /// One line of the file.
-    fn cells(&self, row: &HistoryRow) -> Vec<String> {
-        let text = |cell: Cell| match cell {
-            Cell::Number(value) => value.map_or_else(String::new, number),
-            Cell::Text(text) => text,
-        };
+    fn cells(&self, row: &HistoryRow, low_passed: &LowPassed) -> Vec<String> {
         let contacts = (0..self.contacts).map(|index| row.contacts.get(index).copied());
         let of_contacts = contacts.flat_map(|at| self.of_contact.iter().map(move |of| (of.value)(&at)));
-        self.of_row.iter().map(|of| (of.value)(row)).chain(of_contacts).map(text).collect()
+        let of_low_passed = self.of_low_passed.iter().map(|of| (of.value)(low_passed));
+        self.of_row
+            .iter()
+            .map(|of| (of.value)(row))
+            .chain(of_low_passed)
+            .chain(of_contacts)
+            .map(cell_text)
+            .collect()
+    }
+}
+
+/// A cell as it is written.
+fn cell_text(cell: Cell) -> String {
+    match cell {
+        Cell::Number(value) => value.map_or_else(String::new, number),
+        Cell::Text(text) => text,
     }
 }
 
@@ -111,7 +167,9 @@ impl Layout {
 pub fn write(history: &History) -> Vec<u8> {
     let contacts = history.rows.iter().map(|row| row.contacts.len()).max().unwrap_or(0);
     let layout = Layout::new(contacts.max(CONTACTS_AT_LEAST));
-    csv_of_texts(once(layout.heading()).chain(history.rows.iter().map(|row| layout.cells(row))))
+    let low_passed = LowPassed::of(&history.rows);
+    let rows = history.rows.iter().zip(&low_passed).map(|(row, low)| layout.cells(row, low));
+    csv_of_texts(once(layout.heading()).chain(rows))
 }
 
 /// Twelve significant digits, in the shortest form.
@@ -142,12 +200,17 @@ pub fn read(path: &Path, text: &str, degrees_of_freedom: usize, ending: Ending) 
     let mut reader = csv::Reader::from_reader(text.as_bytes());
     let heading = reader.headers().map_err(|cause| broken(1, cause.to_string()))?.clone();
     let mut layout = Layout::new(0);
-    let (before, each) = (layout.of_row.len(), layout.of_contact.len());
+    if !heading.iter().any(|name| name == layout.of_low_passed[0].name) {
+        layout.of_low_passed.clear();
+    }
+    let (of_row, before, each) = (layout.of_row.len(), layout.before_contacts(), layout.of_contact.len());
     layout.contacts = heading.len().saturating_sub(before) / each;
     if heading != layout.heading() {
         return Err(broken(1, heading.iter().collect::<Vec<_>>().join(",")));
     }
     let mut rows: Vec<HistoryRow> = Vec::new();
+    // what follows from all rows: line and cells
+    let mut low_passed: Vec<(u64, Vec<String>)> = Vec::new();
     for record in reader.records() {
         let record = record
             .map_err(|cause| broken(cause.position().map_or(1, csv::Position::line), cause.to_string()))?;
@@ -180,7 +243,7 @@ pub fn read(path: &Path, text: &str, degrees_of_freedom: usize, ending: Ending) 
                 wheel: point(start + 5)?,
             });
         }
-        let energy = match (ENERGY..before).all(|column| cell(column).is_empty()) {
+        let energy = match (ENERGY..of_row).all(|column| cell(column).is_empty()) {
             true => None,
             false => Some(EnergyBalance {
                 kinetic: value(ENERGY, 1.0)?,
@@ -202,8 +265,13 @@ pub fn read(path: &Path, text: &str, degrees_of_freedom: usize, ending: Ending) 
             contacts,
         };
         // What follows from other cells, or is empty because there is no contact, must say the same.
-        let written = layout.cells(&row);
-        let differs = record.iter().zip(&written).position(|(found, expected)| !same(found, expected));
+        let written = layout.cells(&row, &LowPassed::default());
+        low_passed.push((line, (of_row..before).map(|column| cell(column).to_owned()).collect()));
+        let differs = record
+            .iter()
+            .zip(&written)
+            .enumerate()
+            .position(|(i, (found, expected))| !(of_row..before).contains(&i) && !same(found, expected));
         if let Some(column) = differs {
             let (found, expected) = (cell(column), &written[column]);
             let what =
@@ -219,6 +287,19 @@ pub fn read(path: &Path, text: &str, degrees_of_freedom: usize, ending: Ending) 
     }
     if rows.is_empty() {
         return Err(broken(2, "no row".into()));
+    }
+    for ((line, found), of) in low_passed.iter().zip(LowPassed::of(&rows)) {
+        let expected: Vec<String> =
+            layout.of_low_passed.iter().map(|column| cell_text((column.value)(&of))).collect();
+        if let Some(i) = found.iter().zip(&expected).position(|(found, expected)| !same(found, expected)) {
+            let what = format!(
+                "{:?} in column {} where the forces of all rows have {:?}",
+                found[i],
+                of_row + i + 1,
+                expected[i]
+            );
+            return Err(broken(*line, what));
+        }
     }
     Ok(History { rows, degrees_of_freedom, ending })
 }
@@ -291,6 +372,27 @@ mod tests {
         assert_eq!(write(&back), bytes, "writing what was read gives the same bytes");
     }
 
+    /// Goal: forces below 20 Hz that are not those of the rows are refused with line and column; a file of a version without these columns is read.
+    #[test]
+    fn forces_below_20_hz_follow_from_the_rows() {
+        let rows = (0..4).map(|n| row(n as f64 * 0.0005, n)).collect();
+        let history = History { rows, degrees_of_freedom: 1, ending: Ending::Completed };
+        let text = String::from_utf8(write(&history)).unwrap();
+        let lines: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
+        let first = lines[0].iter().position(|name| *name == "p_20hz_kn").unwrap();
+        assert!(lines[3][first].parse::<f64>().unwrap() > 0.0, "{text}");
+        let joined = |lines: &[Vec<&str>]| lines.iter().map(|line| line.join(",") + "\n").collect::<String>();
+        let mut other = lines.clone();
+        other[3][first] = "7";
+        let error = read(Path::new("x.csv"), &joined(&other), 1, Ending::Completed).unwrap_err().to_string();
+        let start = format!("x.csv:4 = \"7\" in column {} where the forces of all rows have", first + 1);
+        assert!(error.starts_with(&start), "{error}");
+        let mut without = lines;
+        without.iter_mut().for_each(|line| drop(line.drain(first..first + 3)));
+        let back = read(Path::new("x.csv"), &joined(&without), 1, Ending::Completed).unwrap();
+        assert_eq!(write(&back), text.as_bytes());
+    }
+
     /// Goal: content that is no history is refused with file, line and what stands there.
     #[test]
     fn broken_rows_are_named() {
@@ -308,12 +410,12 @@ mod tests {
             (good.replace("33.3333333333", "1e308"), "x.csv:2 = \"1e308\" in column 2"),
             (good.replace("0.0005,", "0,"), "x.csv:3 = 0 s after 0 s"),
             (good.replace("0.0005,", "-1,"), "x.csv:3 = -1 s after 0 s"),
-            (good.replace("slip,12", "glide,12"), "x.csv:2 = \"glide\" in column 15"),
+            (good.replace("slip,12", "glide,12"), "x.csv:2 = \"glide\" in column 18"),
             (
-                good.replace("slip,,,,,,,slip,12", "stick,,,,,,,slip,12"),
+                good.replace("slip,,,,,,,", "stick,,,,,,,"),
                 "x.csv:2 = \"stick\" in column 8 where the rest of",
             ),
-            (good.replace("slip,,,,,,,slip,12", "slip,1,,,,,,slip,12"), "x.csv:2 = \"\" in column 10"),
+            (good.replace("slip,,,,,,,", "slip,1,,,,,,"), "x.csv:2 = \"\" in column 10"),
             (good.replace("contact_2_mode", "contact_3_mode"), "x.csv:1 = time_s,"),
             (good.replacen(",", "", 1), "x.csv:1 = "),
             (heading.into(), "x.csv:2 = no row"),

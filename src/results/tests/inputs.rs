@@ -89,7 +89,7 @@ fn every_result_has_a_key_of_its_own_inputs() {
     let plain = all("");
     for (more, changed) in [
         ("# a comment\n", &[][..]),
-        ("description = \"other\"\nsnapshots_s = [0.1]\nsolid = false\n|", &[]),
+        ("description = \"other\"\nsnapshots_s = [0.1]\nsolid = false\nratio_limit = 0.8\n|", &[]),
         ("[simulation]\nscenario = \"two\"\n", &[]),
         ("[verification]\nvertical_rms = 0.5\n", &[]),
         ("steps = 20\n|", &["simple one", "solid one"]),

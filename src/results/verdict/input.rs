@@ -9,12 +9,15 @@ use crate::study::{LawKey, Study, StudyScenario, Wheel};
 use crate::verify::Limits;
 
 /// Limits, and whose they are.
-#[derive(Debug, Clone, Copy, Serialize)]
+#[derive(Debug, Clone, Serialize)]
 pub struct VerdictInput<'a> {
     /// Name of the study.
     pub name: &'a str,
     /// The limits.
     pub limits: &'a Limits,
+    /// The accepted sizes of Q/P over 2 m of track, of the load cases that have one.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub ratio_limits: BTreeMap<&'a str, f64>,
     /// The wheel, which the published law is not of.
     #[serde(skip)]
     pub wheel: &'a Wheel,
@@ -37,6 +40,11 @@ impl<'a> VerdictInput<'a> {
         Self {
             name: &study.name,
             limits: &study.limits,
+            ratio_limits: study
+                .scenarios
+                .iter()
+                .filter_map(|(name, case)| Some((name.as_str(), case.ratio_limit?)))
+                .collect(),
             wheel: &study.wheel,
             cases: &study.scenarios,
             main_case: study.main_scenario.as_deref(),

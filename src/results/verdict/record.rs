@@ -8,7 +8,9 @@ use serde::{Deserialize, Serialize};
 use crate::results::run::record::RunRecord;
 use crate::rounding::with_unit;
 use crate::study::ContactElementKey;
-use crate::verify::{ChangedLimit, Compared, Comparison, HeldBy, Line, NotApplicable};
+use crate::verify::{
+    Both, ChangedLimit, Compared, Comparison, HeldBy, Line, NotApplicable, RunningStatistics,
+};
 
 /// `verification.json`: the verdict.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -146,6 +148,9 @@ pub struct ScenarioVerdict {
     /// The quantities that were compared, if both models ran.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub compared: Option<Compared>,
+    /// Statistics by EN 14363 of both models; none of a model that did not run, whose steps are unequal or longer than 5 ms.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub running: Option<Both<Option<RunningStatistics>>>,
     /// The contact elements of the simple model, that of the study first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub elements: Vec<ElementVerdict>,

@@ -24,7 +24,7 @@ use crate::results::verdict::record::{
 };
 use crate::rounding::significant;
 use crate::study::{ContactElementKey, Wheel};
-use crate::verify::{self, Criterion, Limits, Line};
+use crate::verify::{self, Both, Criterion, Limits, Line, RunningStatistics};
 use crate::version;
 
 /// The comparison of both models; `stiffness` is that of the study, if one of the simple models ran with it.
@@ -81,10 +81,22 @@ impl Stage for Verify<'_> {
                     Err(reason) => ElementVerdict { missing: Some(reason.clone()), ..of_other },
                 });
             }
-            let (lines, not_applicable, compared) = match comparison {
+            let (mut lines, mut not_applicable, compared) = match comparison {
                 Some(c) => (c.lines, c.not_applicable, Some(c.compared)),
                 None => (verify::run_lines(&simple.history, None), Vec::new(), None),
             };
+            let speed = input.cases.get(name).map_or(0.0, |case| case.scenario.speed);
+            let running = Both { simple: Some(simple), solid: solid.as_ref() }
+                .map(|run| run.and_then(|run| RunningStatistics::of(&run.history, speed)));
+            if let Some(limit) = input.ratio_limits.get(name.as_str()) {
+                let solid = solid.as_ref().map(|_| ("solid model", running.solid.as_ref()));
+                let models: Vec<_> =
+                    [("simple model", running.simple.as_ref())].into_iter().chain(solid).collect();
+                match verify::accepted(*limit, speed, &models) {
+                    Ok(line) => lines.push(line),
+                    Err(reason) => not_applicable.push(reason),
+                }
+            }
             scenarios.push(ScenarioVerdict {
                 scenario: name.clone(),
                 simple: simple.record.clone(),
@@ -92,6 +104,7 @@ impl Stage for Verify<'_> {
                 lines,
                 not_applicable,
                 compared,
+                running: Some(running),
                 elements,
             });
         }

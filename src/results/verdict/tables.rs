@@ -145,6 +145,7 @@ pub(crate) fn line_text(subject: &str, line: &Line) -> LineText {
             Kind::Consistency => "consistency",
             Kind::Verification => "verification",
             Kind::CrossCode => "cross-code",
+            Kind::Acceptance => "acceptance",
         },
         over: line.over().unwrap_or_default(),
         value: line.value.map_or_else(|| "no value".into(), with_unit),

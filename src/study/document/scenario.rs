@@ -60,6 +60,10 @@ pub struct ScenarioKeys {
     #[serde(default)]
     #[schemars(range(min = 0.0, max = 200.0), extend("x-field" = InputField::Speed.name()))]
     pub speed_m_per_s: f64,
+    /// Largest size of Q/P that is accepted, by EN 14363:2016: of the forces below 20 Hz, averaged over 2 m of track, the 0.15 and 99.85 % percentiles; left out, nothing is checked. It is not defined for a wheel that stands.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.001, max = 100.0))]
+    pub ratio_limit: Option<f64>,
     /// Whether the rotations of the wheel's master node are held. Where they are not, the axle holds its roll: a beam of the bore's diameter between the two wheels, of which the other one stands.
     #[serde(default = "default_true")]
     pub rotations_held: bool,

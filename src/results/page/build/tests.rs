@@ -101,6 +101,7 @@ fn verdict(simple: &History, solid: &History) -> VerificationRecord {
         lines: comparison.lines,
         not_applicable: comparison.not_applicable,
         compared: Some(comparison.compared),
+        running: None,
         elements,
     };
     VerificationRecord {
