@@ -135,16 +135,21 @@ impl InputUncertaintyRecord {
             return vec![format!("uncertainty of the inputs: not known, {reason}")];
         }
         let Some(point) = self.middle() else { return Vec::new() };
-        let leading = point.tangent.ranked();
-        let named: Vec<&str> = leading.iter().take(3).map(|&i| self.inputs[i].name.as_str()).collect();
+        let leading = |of: &UncertainRecord, count: usize| {
+            let named = of.ranked().into_iter().take(count).map(|i| self.inputs[i].name.as_str());
+            named.collect::<Vec<_>>().join(", ")
+        };
         let mut all = vec![format!(
             "uncertainty (95 %) at {} kN: displacement {}, tangent {}, most by {}",
             significant(point.force_kn, 3),
             point.displacement.sentence(),
             point.tangent.sentence(),
-            named.join(", ")
+            leading(&point.tangent, 3)
         )];
-        all.extend(self.horizontal.as_ref().map(|h| format!("uncertainty (95 %) of k_h: {}", h.sentence())));
+        all.extend(self.horizontal.as_ref().map(|horizontal| {
+            let most = leading(horizontal, 1);
+            format!("uncertainty (95 %) of k_h: {}, most by {most}", horizontal.sentence())
+        }));
         all
     }
 }

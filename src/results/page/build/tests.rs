@@ -141,7 +141,7 @@ fn the_page_is_complete_and_needs_nothing_else() {
         }
     }
     assert_eq!(report.html.matches("<figure id=").count(), report.figures.len());
-    assert_eq!(report.figures.len(), 23);
+    assert_eq!(report.figures.len(), 25);
     assert!(!report.html.contains("could not be written"), "{}", report.html);
     assert!(!report.html.contains("figure failed"));
     for outside in ["src=\"", "@import", "url("] {
@@ -236,7 +236,7 @@ fn the_chapter_says_what_is_missing() {
         (Crosscheck::Stale, "of another study"),
     ] {
         let report = build_with(state);
-        assert_eq!(report.figures.len(), 18);
+        assert_eq!(report.figures.len(), 20);
         assert!(report.html.contains(word) && report.html.contains("railspring crosscheck"), "{word}");
         assert!(outward(&report.html).is_empty(), "{word}");
     }
