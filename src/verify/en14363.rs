@@ -125,7 +125,8 @@ pub fn accepted(
     if speed <= 0.0 {
         return Err(criterion.not_applicable(STANDS));
     }
-    // the size, and the windows left out
+    /// The size and the windows left out, or why there is none.
+    type Size = Result<(f64, usize), String>;
     let of = |statistics: Option<&RunningStatistics>| match statistics {
         None => Err("time steps are unequal or longer than 5 ms".to_string()),
         Some(statistics) => match (&statistics.q_over_p_2m, &statistics.q_over_p_missing) {
@@ -133,12 +134,11 @@ pub fn accepted(
             (None, reason) => Err(reason.clone().unwrap_or_else(|| "none".into())),
         },
     };
-    let found: Vec<(&str, Result<(f64, usize), String>)> =
-        models.iter().map(|(name, statistics)| (*name, of(*statistics))).collect();
+    let found: Vec<(&str, Size)> = models.iter().map(|(name, statistics)| (*name, of(*statistics))).collect();
     let values: Option<Vec<f64>> =
         found.iter().map(|(_, value)| value.as_ref().ok().map(|(value, _)| *value)).collect();
     let largest = values.and_then(|values| values.into_iter().reduce(f64::max));
-    let text = |(name, value): &(&str, Result<(f64, usize), String>)| match value {
+    let text = |(name, value): &(&str, Size)| match value {
         Ok((value, 0)) => format!("{name} {value:.4}"),
         Ok((value, left_out)) => {
             format!("{name} {value:.4}, windows left out as P is not positive: {left_out}")
