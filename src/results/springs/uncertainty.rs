@@ -114,7 +114,7 @@ fn sources(statics: Statics<'_>) -> Vec<Source> {
             Box::new(move |d, z| d.wheel_roll += z * wheel_roll),
         ),
         source(
-            "form of the rail profile, cosine",
+            "form of the rail profile (cosine)",
             "rail_form_um",
             ("\u{b5}m", rail_form / MICROMETRE),
             Normal,
@@ -122,7 +122,7 @@ fn sources(statics: Statics<'_>) -> Vec<Source> {
             Box::new(move |d, z| d.rail_waves[0] += z * rail_form),
         ),
         source(
-            "form of the rail profile, sine",
+            "form of the rail profile (sine)",
             "rail_form_um",
             ("\u{b5}m", rail_form / MICROMETRE),
             Normal,
@@ -130,7 +130,7 @@ fn sources(statics: Statics<'_>) -> Vec<Source> {
             Box::new(move |d, z| d.rail_waves[1] += z * rail_form),
         ),
         source(
-            "form of the wheel profile, cosine",
+            "form of the wheel profile (cosine)",
             "wheel_form_um",
             ("\u{b5}m", wheel_form / MICROMETRE),
             Normal,
@@ -138,7 +138,7 @@ fn sources(statics: Statics<'_>) -> Vec<Source> {
             Box::new(move |d, z| d.wheel_waves[0] += z * wheel_form),
         ),
         source(
-            "form of the wheel profile, sine",
+            "form of the wheel profile (sine)",
             "wheel_form_um",
             ("\u{b5}m", wheel_form / MICROMETRE),
             Normal,
