@@ -149,8 +149,8 @@ fn every_file_is_there_and_nothing_else() {
         let described = RESULT_FILES.iter().filter(|file| file.matches(name)).count();
         assert_eq!(described, 1, "{name} stands once in the reference of the files");
     }
-    // Eleven of the springs, seven of each scenario.
-    assert_eq!(figures.len(), 25, "{figures:?}");
+    // Thirteen of the springs, seven of each scenario.
+    assert_eq!(figures.len(), 27, "{figures:?}");
     assert!(
         results["report.html"].contains("Scenario push") && !results["report.html"].contains("figure failed")
     );
