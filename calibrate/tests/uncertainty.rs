@@ -28,7 +28,13 @@ fn pair(track: &TrackGeometry, diameter: f64) -> Pair {
 
 /// Its bodies on contact elements of a size, m.
 fn condensed(pair: &Pair, material: Material, size: f64) -> CondensedPair {
-    let sizes = MeshOptions { contact_element: size, contact_element_along: size, ..MeshOptions::default() };
+    let sizes = MeshOptions {
+        contact_element: size,
+        contact_element_along: size,
+        // four elements to either side, which hold a patch of 90 kN
+        window_half_length: f64::max(12e-3, 4.0 * size),
+        ..MeshOptions::default()
+    };
     let bodies = PairBody::of_pair(false);
     pair.mesh(0.555, &sizes)
         .unwrap()
