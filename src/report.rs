@@ -4,6 +4,7 @@ pub mod plot;
 pub mod legend;
 pub mod number;
 pub mod panel;
+pub mod bars;
 pub mod html;
 pub mod accessible;
 pub mod collector;

@@ -1,4 +1,4 @@
-//! What springs are worth when the inputs of their pair are not known exactly.
+//! Uncertainty of springs by the inputs of their pair.
 //!
 //! * [`Distribution`]: how an input may depart from its value;
 //! * [`propagate`]: the departures of all inputs through a model, to first order and by quasi-random samples;

@@ -48,6 +48,15 @@ impl Departure {
     /// # Errors
     /// [`InputError`] for surfaces that would lie farther than [`FARTHEST`] off their bodies, and those of [`Pair::with_surfaces`].
     pub fn pair(&self, pair: &Pair, track: &TrackGeometry) -> Result<Pair> {
+        let off = pair.off_bodies + self.off_bodies(pair);
+        if off > FARTHEST {
+            return InputError::refuse(
+                "departure",
+                format!("surfaces up to {:.2} mm off their bodies", off / MILLIMETRE),
+                format!("{:.1} mm at most", FARTHEST / MILLIMETRE),
+                "give smaller uncertainties, or condense bodies of these surfaces",
+            );
+        }
         let rail = RailSection {
             running: waved(
                 &pair.rail.running.transformed(self.rail_roll, Vector2::zeros()),
@@ -65,15 +74,6 @@ impl Departure {
             radius: pair.wheel.radius + self.radius,
             ..pair.wheel.clone()
         };
-        let off = pair.off_bodies + self.off_bodies(pair);
-        if off > FARTHEST {
-            return InputError::refuse(
-                "departure",
-                format!("surfaces up to {:.2} mm off their bodies", off / MILLIMETRE),
-                format!("{:.1} mm at most", FARTHEST / MILLIMETRE),
-                "give smaller uncertainties, or condense bodies of these surfaces",
-            );
-        }
         Ok(Pair { off_bodies: off, ..pair.with_surfaces_at(rail, wheel, track, pair.tape_y + self.lateral)? })
     }
 

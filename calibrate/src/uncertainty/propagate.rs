@@ -21,7 +21,7 @@ pub struct Input {
     pub sampled: bool,
 }
 
-/// What answers of a model are worth. All changes are those of their logarithms, which are relative changes where they are small.
+/// The uncertainty of a model's answers. All changes are those of their logarithms, which are relative changes where they are small.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Propagated {
     /// Change of each answer over one standard uncertainty of each input, `[input][answer]`: half the difference between one up and one down.
@@ -47,8 +47,8 @@ pub struct Band {
     pub shares: Vec<f64>,
 }
 
-/// Departures of `inputs` through a model, whose answers `evaluate` gives for departures in standard uncertainties. Answers are positive. It is
-/// told whether one input alone departs: then it may have more answers than for the samples, whose answers come first.
+/// Departures of `inputs` through a model, whose answers `evaluate` gives for departures in standard uncertainties. Answers are positive. Its
+/// flag is set where one input alone departs; it may then append answers to those that samples have.
 /// `samples` points of a scrambled Sobol sequence are taken. A sample without an answer is counted; the result does not depend on the threads.
 ///
 /// # Errors
@@ -140,7 +140,9 @@ impl Propagated {
         let sampled = (changes.iter().map(|change| (change - mean).powi(2)).sum::<f64>()
             / (count - 1.0).max(1.0))
         .sqrt();
-        let percentiles = Some([0.025, 0.975].map(|at| percentile(changes.clone(), at).exp_m1()));
+        let mut ascending = changes.clone();
+        ascending.sort_unstable_by(f64::total_cmp);
+        let percentiles = Some([0.025, 0.975].map(|at| percentile(&ascending, at).exp_m1()));
         let shares = self.shares(&changes, mean).unwrap_or_else(to_first_order);
         Band { linear, sampled: Some(sampled), percentiles, shares }
     }
@@ -174,9 +176,8 @@ impl Propagated {
     }
 }
 
-/// Value below which a share of all values lies, between the two nearest.
-fn percentile(mut values: Vec<f64>, share: f64) -> f64 {
-    values.sort_unstable_by(f64::total_cmp);
+/// Value below which a share of all ascending values lies, between the two nearest.
+fn percentile(values: &[f64], share: f64) -> f64 {
     let place = (share * values.len() as f64 - 0.5).clamp(0.0, (values.len() - 1) as f64);
     let (below, part) = (place as usize, place.fract());
     let above = (below + 1).min(values.len() - 1);

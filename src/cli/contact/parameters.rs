@@ -146,15 +146,13 @@ impl Found {
     }
 
     /// Conicity less and plus its uncertainty (k = 2) over the amplitude, mm.
-    pub fn band(&self) -> [Vec<(f64, f64)>; 2] {
-        [-COVERAGE, COVERAGE].map(|factor| {
-            let rows = self.at_amplitudes().into_iter();
-            let bound = |row: AtAmplitude| {
-                let conicity = row.equivalent_conicity?;
-                Some((row.amplitude_mm, conicity.value + factor * conicity.standard_uncertainty?))
-            };
-            rows.filter_map(bound).collect()
-        })
+    pub fn band(&self) -> Vec<(f64, [f64; 2])> {
+        let ends = |row: AtAmplitude| {
+            let conicity = row.equivalent_conicity?;
+            let half = COVERAGE * conicity.standard_uncertainty?;
+            Some((row.amplitude_mm, [conicity.value - half, conicity.value + half]))
+        };
+        self.at_amplitudes().into_iter().filter_map(ends).collect()
     }
 
     /// Equivalent conicity at an amplitude of `amplitude_mm`, if it is one of the table, as text.

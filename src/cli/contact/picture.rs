@@ -5,7 +5,7 @@ use railspring_profiles::units::MILLIMETRE;
 
 use super::parameters::Found;
 use crate::report::panel::{Panel, stacked};
-use crate::report::plot::{BLUE, DARK, Dash, GREY, RED, Series};
+use crate::report::plot::{BLUE, DARK, Dash, GREY, LIGHT, RED, Series};
 
 /// Wheel above rail with lines between the points that touch, rolling-radius difference, contact angles and conicity.
 pub(super) fn picture(
@@ -37,11 +37,7 @@ pub(super) fn picture(
     let difference = running.iter().map(|p| (p.shift / MILLIMETRE, p.difference / MILLIMETRE)).collect();
     let tangents = functions.points().iter().map(|p| (p.shift / MILLIMETRE, p.tangent_difference)).collect();
     let mut conicity = vec![Series::line("equivalent conicity", fine(functions), DARK, Dash::Dashed)];
-    let [below, above] = found.band();
-    if !below.is_empty() {
-        conicity.push(Series::line("its uncertainty, k = 2", below, GREY, Dash::Dotted));
-        conicity.push(Series::line("its uncertainty, k = 2", above, GREY, Dash::Dotted));
-    }
+    conicity.splice(0..0, Series::band("its uncertainty, k = 2", &found.band(), LIGHT));
     let panels = [
         Panel::new(
             "y from the track centre, wheelset in the middle (mm)",

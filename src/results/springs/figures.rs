@@ -5,12 +5,12 @@ use plotters::style::text_anchor::{HPos, VPos};
 use railspring_calibrate::law::StiffnessLaw;
 use railspring_profiles::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE};
 
+use crate::report::bars::ValueAxis;
 use crate::report::legend::{Entry, draw_legend, legend_height};
 use crate::report::number::{WIDTH, number};
 use crate::report::panel::{Panel, stacked};
 use crate::report::plot::{
-    BLUE, DARK, Dash, GREY, LIGHT, Marker, ORANGE, RED, Series, frame, label, nice_range, px, stroke, svg,
-    tick,
+    BLUE, DARK, Dash, GREY, LIGHT, Marker, ORANGE, RED, Series, frame, label, px, stroke, svg,
 };
 use crate::results::bodies::touch::HertzRecord;
 use crate::results::patches::record::PatchRecord;
@@ -247,17 +247,9 @@ pub fn compliance(rows: &[ComplianceRecord]) -> String {
         let longest = rows.iter().map(|row| side(row, 1.0)).fold(0.0, f64::max);
         // a part that would hardly be seen takes no room left of zero
         let seen = |end: f64| if end < -HARDLY_SEEN * longest { end } else { end.max(0.0) };
-        let (low, high, step) =
-            nice_range(rows.iter().flat_map(|row| [side(row, 1.0), seen(side(row, -1.0))]), true);
-        let x_of =
-            |value: f64| px(LEFT) + (f64::from(px(WIDTH - LEFT - 24)) * (value - low) / (high - low)) as i32;
-        let base = px(ROW * rows.len() as u32 + 4);
-        for n in 0..=((high - low) / step).round() as usize {
-            let value = low + n as f64 * step;
-            rest.draw(&PathElement::new([(x_of(value), 0), (x_of(value), base)], stroke(LIGHT, 7)))?;
-            let style = label(11, HPos::Center, VPos::Top);
-            rest.draw(&Text::new(tick(value, step), (x_of(value), base + px(5)), style))?;
-        }
+        let values = rows.iter().flat_map(|row| [side(row, 1.0), seen(side(row, -1.0))]);
+        let axis = ValueAxis::over(values, LEFT, ROW * rows.len() as u32 + 4);
+        axis.draw_grid(&rest)?;
         for (index, row) in rows.iter().enumerate() {
             let (a, b) = (px(ROW * index as u32 + 5), px(ROW * (index as u32 + 1) - 5));
             let middle = (a + b) / 2;
@@ -274,7 +266,7 @@ pub fn compliance(rows: &[ComplianceRecord]) -> String {
                     continue;
                 }
                 let end = &mut ends[usize::from(value < 0.0)];
-                let (left, right) = (x_of(end.min(*end + value)), x_of(end.max(*end + value)));
+                let (left, right) = (axis.x(end.min(*end + value)), axis.x(end.max(*end + value)));
                 *end += value;
                 let corners = [(left, a), (right, b)];
                 rest.draw(&Rectangle::new(corners, color.filled()))?;
@@ -289,11 +281,7 @@ pub fn compliance(rows: &[ComplianceRecord]) -> String {
                 }
             }
         }
-        rest.draw(&PathElement::new([(x_of(low), base), (x_of(high), base)], stroke(BLACK, 8)))?;
-        let style = label(12, HPos::Center, VPos::Top);
-        let at = ((x_of(low) + x_of(high)) / 2, base + px(23));
-        rest.draw(&Text::new("tangent compliance d\u{3b4}/dP, \u{b5}m/kN", at, style))?;
-        Ok(())
+        axis.draw_axis(&rest, "tangent compliance d\u{3b4}/dP, \u{b5}m/kN")
     })
 }
 

@@ -1,4 +1,6 @@
-//! What springs are worth when their inputs are not known exactly: the inputs of a study through its pair, on the bodies that it has.
+//! Uncertainty of springs by their inputs: those of a study through its pair, on the bodies that it has.
+
+use std::f64::consts::PI;
 
 use nalgebra::Matrix3;
 use railspring_calibrate::calibration::{ContactField, NormalCalibration, Reference};
@@ -17,6 +19,7 @@ use crate::results::springs::make::{FoundSprings, contact_conditions};
 use crate::results::springs::record::StiffnessRecord;
 use crate::results::springs::uncertainty_record::{
     InputUncertaintyRecord, UncertainInputRecord, UncertainLawRecord, UncertainPointRecord, UncertainRecord,
+    between_loads,
 };
 use crate::study::Statics;
 
@@ -27,169 +30,98 @@ const TWICE: f64 = 2.0;
 /// Largest standard uncertainty of the friction as a part of it, so that it stays positive.
 const LARGEST_FRICTION: f64 = 0.5;
 
-/// Puts in a departure of an input by so many standard uncertainties.
-type Depart = Box<dyn Fn(&mut Departure, f64) + Sync>;
-
 /// An input of the study.
 struct Source {
     name: &'static str,
     key: &'static str,
     unit: &'static str,
-    /// Standard uncertainty in the unit of its key.
+    /// The unit of its key in SI units.
+    in_si: f64,
+    /// Standard uncertainty in SI units.
     standard: f64,
     distribution: Distribution,
     /// Whether samples depart in it.
     sampled: bool,
-    depart: Depart,
+    /// Puts in a departure, in SI units.
+    depart: fn(&mut Departure, f64),
 }
 
 /// The inputs of a study that are not known exactly.
 fn sources(statics: Statics<'_>) -> Vec<Source> {
-    use Distribution::{Normal, Rectangular};
-    const MICROMETRE: f64 = 1e-3 * MILLIMETRE;
+    const MILLIMETRES: (&str, f64) = ("mm", MILLIMETRE);
+    const MICROMETRES: (&str, f64) = ("\u{b5}m", 1e-3 * MILLIMETRE);
+    const DEGREES: (&str, f64) = ("degrees", PI / 180.0);
+    const PER_CENT: (&str, f64) = ("%", 1e-2);
+    const NUMBER: (&str, f64) = ("", 1.0);
     let of = statics.uncertainty;
-    let degree = 1.0_f64.to_radians();
-    let friction = of.friction.min(LARGEST_FRICTION * statics.contact.friction);
-    let (gauge, flange_back) = (of.gauge, of.flange_back);
     let ([rail_roll, wheel_roll], [rail_form, wheel_form]) = (of.roll, of.form);
-    let (lateral, inclination, diameter) = (of.lateral, of.inclination, of.tape_diameter);
-    let (young, poisson) = (of.young, of.poisson);
-    let source = |name, key, (unit, in_unit): (&'static str, f64), distribution, sampled, depart| Source {
+    let source = |name, key, (unit, in_si), standard, depart| Source {
         name,
         key,
         unit,
-        standard: in_unit,
-        distribution,
-        sampled,
+        in_si,
+        standard,
+        distribution: Distribution::Normal,
+        sampled: true,
         depart,
     };
-    let all: Vec<Source> = vec![
-        source(
-            "place of the wheel across the track",
-            "lateral_mm",
-            ("mm", lateral / MILLIMETRE),
-            Normal,
-            true,
-            Box::new(move |d, z| d.lateral += z * lateral),
-        ),
+    let rectangular = |source: Source| Source { distribution: Distribution::Rectangular, ..source };
+    let to_first_order = |source: Source| Source { sampled: false, ..source };
+    let friction = of.friction.min(LARGEST_FRICTION * statics.contact.friction);
+    let all = [
+        source("place of the wheel across the track", "lateral_mm", MILLIMETRES, of.lateral, |d, by| {
+            d.lateral += by
+        }),
         // a wider gauge moves this rail to the field side by half of it
-        source(
-            "track gauge",
-            "gauge_mm",
-            ("mm", gauge / MILLIMETRE),
-            Normal,
-            true,
-            Box::new(move |d, z| d.lateral -= 0.5 * z * gauge),
-        ),
-        source(
-            "distance of the flange backs",
-            "flange_back_mm",
-            ("mm", flange_back / MILLIMETRE),
-            Normal,
-            true,
-            Box::new(move |d, z| d.lateral += 0.5 * z * flange_back),
-        ),
-        source(
-            "inclination of the rail",
-            "inclination_deg",
-            ("degrees", inclination / degree),
-            Normal,
-            true,
-            Box::new(move |d, z| d.rail_roll += z * inclination),
-        ),
-        source(
-            "turn of the rail profile",
-            "rail_roll_deg",
-            ("degrees", rail_roll / degree),
-            Normal,
-            true,
-            Box::new(move |d, z| d.rail_roll += z * rail_roll),
-        ),
-        source(
-            "turn of the wheel profile",
-            "wheel_roll_deg",
-            ("degrees", wheel_roll / degree),
-            Normal,
-            true,
-            Box::new(move |d, z| d.wheel_roll += z * wheel_roll),
-        ),
-        source(
-            "form of the rail profile (cosine)",
-            "rail_form_um",
-            ("\u{b5}m", rail_form / MICROMETRE),
-            Normal,
-            true,
-            Box::new(move |d, z| d.rail_waves[0] += z * rail_form),
-        ),
-        source(
-            "form of the rail profile (sine)",
-            "rail_form_um",
-            ("\u{b5}m", rail_form / MICROMETRE),
-            Normal,
-            true,
-            Box::new(move |d, z| d.rail_waves[1] += z * rail_form),
-        ),
-        source(
-            "form of the wheel profile (cosine)",
-            "wheel_form_um",
-            ("\u{b5}m", wheel_form / MICROMETRE),
-            Normal,
-            true,
-            Box::new(move |d, z| d.wheel_waves[0] += z * wheel_form),
-        ),
-        source(
-            "form of the wheel profile (sine)",
-            "wheel_form_um",
-            ("\u{b5}m", wheel_form / MICROMETRE),
-            Normal,
-            true,
-            Box::new(move |d, z| d.wheel_waves[1] += z * wheel_form),
-        ),
-        source(
-            "diameter of the wheel",
-            "tape_diameter_mm",
-            ("mm", diameter / MILLIMETRE),
-            Normal,
-            true,
-            Box::new(move |d, z| d.radius += 0.5 * z * diameter),
-        ),
-        source(
-            "friction",
-            "friction",
-            ("", friction),
-            Rectangular,
-            false,
-            Box::new(move |d, z| d.friction += z * friction),
-        ),
-        source(
+        source("track gauge", "gauge_mm", MILLIMETRES, of.gauge, |d, by| d.lateral -= 0.5 * by),
+        source("distance of the flange backs", "flange_back_mm", MILLIMETRES, of.flange_back, |d, by| {
+            d.lateral += 0.5 * by
+        }),
+        source("inclination of the rail", "inclination_deg", DEGREES, of.inclination, |d, by| {
+            d.rail_roll += by
+        }),
+        source("turn of the rail profile", "rail_roll_deg", DEGREES, rail_roll, |d, by| d.rail_roll += by),
+        source("turn of the wheel profile", "wheel_roll_deg", DEGREES, wheel_roll, |d, by| {
+            d.wheel_roll += by
+        }),
+        source("form of the rail profile (cosine)", "rail_form_um", MICROMETRES, rail_form, |d, by| {
+            d.rail_waves[0] += by
+        }),
+        source("form of the rail profile (sine)", "rail_form_um", MICROMETRES, rail_form, |d, by| {
+            d.rail_waves[1] += by
+        }),
+        source("form of the wheel profile (cosine)", "wheel_form_um", MICROMETRES, wheel_form, |d, by| {
+            d.wheel_waves[0] += by
+        }),
+        source("form of the wheel profile (sine)", "wheel_form_um", MICROMETRES, wheel_form, |d, by| {
+            d.wheel_waves[1] += by
+        }),
+        source("diameter of the wheel", "tape_diameter_mm", MILLIMETRES, of.tape_diameter, |d, by| {
+            d.radius += 0.5 * by
+        }),
+        to_first_order(rectangular(source("friction", "friction", NUMBER, friction, |d, by| {
+            d.friction += by
+        }))),
+        to_first_order(rectangular(source(
             "Young's modulus of the rail",
             "young_percent",
-            ("%", 1e2 * young),
-            Rectangular,
-            false,
-            Box::new(move |d, z| d.rail_young += z * young),
-        ),
-        source(
+            PER_CENT,
+            of.young,
+            |d, by| d.rail_young += by,
+        ))),
+        to_first_order(rectangular(source(
             "Young's modulus of the wheel",
             "young_percent",
-            ("%", 1e2 * young),
-            Rectangular,
-            false,
-            Box::new(move |d, z| d.wheel_young += z * young),
-        ),
-        source(
-            "Poisson's ratio",
-            "poisson",
-            ("", poisson),
-            Rectangular,
-            true,
-            Box::new(move |d, z| d.poisson += z * poisson),
-        ),
+            PER_CENT,
+            of.young,
+            |d, by| d.wheel_young += by,
+        ))),
+        rectangular(source("Poisson's ratio", "poisson", NUMBER, of.poisson, |d, by| d.poisson += by)),
     ];
     all.into_iter().filter(|source| source.standard > 0.0).collect()
 }
 
-/// What the springs of a study, as they are in its record, are worth with uncertain inputs; none where it asks for no bands. Inputs that the model cannot
+/// The uncertainty by the inputs of a study of its springs, as they are in its record; none where it asks for no bands. Inputs that the model cannot
 /// go along with leave a reason.
 ///
 /// # Errors
@@ -239,7 +171,7 @@ pub fn uncertainty(
         let mut departure =
             Departure { wavelength: statics.uncertainty.form_wavelength, ..Departure::default() };
         for (source, by) in sources.iter().zip(departures) {
-            (source.depart)(&mut departure, *by);
+            (source.depart)(&mut departure, by * source.standard);
         }
         let answers = pair.answers(&departure, alone && found.horizontal.is_some())?;
         let parts = [answers.displacement, answers.tangent, answers.area, answers.pressure];
@@ -334,7 +266,7 @@ fn input_record(source: &Source) -> UncertainInputRecord {
     UncertainInputRecord {
         name: source.name.into(),
         key: Some(format!("uncertainty.{}", source.key)),
-        standard: Some(source.standard),
+        standard: Some(source.standard / source.in_si),
         unit: source.unit.into(),
         distribution: match source.distribution {
             Distribution::Normal => "normal",
@@ -344,7 +276,7 @@ fn input_record(source: &Source) -> UncertainInputRecord {
     }
 }
 
-/// What an answer is worth; `extra` are the standard uncertainties of inputs that are known by their effect.
+/// The uncertainty of an answer; `extra` are the standard uncertainties of inputs that are known by their effect.
 fn value_record(
     propagated: &Propagated,
     answer: usize,
@@ -380,17 +312,15 @@ fn law_record(
     numbers: &[usize],
 ) -> Option<UncertainLawRecord> {
     let forces: Vec<f64> = law.points.iter().map(|point| point.force).collect();
-    let at: Vec<f64> = numbers.iter().map(|&number| forces[number].ln()).collect();
+    let at: Vec<f64> = numbers.iter().map(|&number| forces[number]).collect();
     let constants: Vec<[f64; 3]> = propagated
         .changes
         .iter()
         .filter_map(|changes| {
             let of_tangents = &changes[numbers.len()..2 * numbers.len()];
             let change = |force: f64| {
-                let place = force.ln();
-                let upper = at.partition_point(|x| *x < place).clamp(1, at.len() - 1);
-                let part = ((place - at[upper - 1]) / (at[upper] - at[upper - 1])).clamp(0.0, 1.0);
-                of_tangents[upper - 1] + part * (of_tangents[upper] - of_tangents[upper - 1])
+                let (below, part) = between_loads(&at, force);
+                of_tangents[below] + part * (of_tangents[below + 1] - of_tangents[below])
             };
             let tangents: Vec<f64> =
                 law.points.iter().map(|point| point.solid_tangent * change(point.force).exp()).collect();

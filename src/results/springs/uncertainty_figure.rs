@@ -1,18 +1,17 @@
-//! What springs are worth with uncertain inputs: the law with its band, and which input changes it most.
+//! Uncertainty of springs by their inputs: the law with its band, and which input changes it most.
 
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
 use serde_json::{Value, json};
 
+use crate::report::bars::ValueAxis;
 use crate::report::legend::{Entry, draw_legend, legend_height};
 use crate::report::number::{WIDTH, number};
 use crate::report::panel::{Panel, stacked};
-use crate::report::plot::{
-    DARK, Dash, LIGHT, Marker, ORANGE, Series, frame, label, nice_range, px, stroke, svg, tick,
-};
+use crate::report::plot::{DARK, Dash, LIGHT, Marker, ORANGE, Series, frame, label, px, stroke, svg};
 use crate::results::springs::record::{StiffnessRecord, TangentRecord};
 use crate::results::springs::uncertainty_record::{
-    InputUncertaintyRecord, UncertainInputRecord, UncertainPointRecord, UncertainRecord,
+    InputUncertaintyRecord, UncertainInputRecord, UncertainPointRecord, UncertainRecord, between_loads,
 };
 use crate::rounding::significant;
 
@@ -26,14 +25,14 @@ pub fn band(stiffness: &StiffnessRecord) -> Option<String> {
     let points = &uncertain.points;
     let ends = |point: &UncertainPointRecord| {
         let of = &point.tangent;
-        of.percentiles.unwrap_or([-of.input, of.input])
+        // the width has all inputs, the percentiles those of the samples alone
+        let middle = of.percentiles.map_or(0.0, |[low, high]| 0.5 * (low + high));
+        [middle - of.input, middle + of.input]
     };
-    // between the loads straight over the logarithm of the load
+    let loads: Vec<f64> = points.iter().map(|point| point.force_kn).collect();
     let band = |p: &TangentRecord| {
-        let upper = points.partition_point(|at| at.force_kn <= p.force_kn).clamp(1, points.len() - 1);
-        let [below, above] = [&points[upper - 1], &points[upper]];
-        let part = (p.force_kn / below.force_kn).ln() / (above.force_kn / below.force_kn).ln();
-        let (from, to) = (ends(below), ends(above));
+        let (below, part) = between_loads(&loads, p.force_kn);
+        let (from, to) = (ends(&points[below]), ends(&points[below + 1]));
         let change = |side: usize| 1.0 + from[side] + part * (to[side] - from[side]);
         (p.force_kn, [0, 1].map(|side| p.tangent_kn_per_m * 1e-6 * change(side)))
     };
@@ -48,7 +47,10 @@ pub fn band(stiffness: &StiffnessRecord) -> Option<String> {
 /// What the band's figure shows.
 pub fn band_caption(of: &InputUncertaintyRecord) -> String {
     let made = match of.points.first().and_then(|point| point.tangent.percentiles) {
-        Some(_) => format!("between 2.5 and 97.5 % of {} quasi-random samples", of.samples),
+        Some(_) => format!(
+            "between 2.5 and 97.5 % of {} quasi-random samples, widened by the inputs that are known by their effect alone",
+            of.samples
+        ),
         None => "twice the standard uncertainty, to first order".into(),
     };
     format!("Tangent stiffness of the law in use with inputs that are not known exactly: the band is {made}.")
@@ -73,16 +75,9 @@ pub fn inputs(of: &InputUncertaintyRecord) -> Option<String> {
         let (legend, rest) = root.split_vertically(px(top));
         draw_legend(&legend, WIDTH, &entries)?;
         let ends = named.iter().flat_map(|&input| [-1e2 * size(input), 1e2 * size(input)]);
-        let (low, high, step) = nice_range(ends, true);
-        let x_of =
-            |value: f64| px(LEFT) + (f64::from(px(WIDTH - LEFT - 24)) * (value - low) / (high - low)) as i32;
-        let base = px(ROW * named.len() as u32 + 4);
-        for n in 0..=((high - low) / step).round() as usize {
-            let value = low + n as f64 * step;
-            rest.draw(&PathElement::new([(x_of(value), 0), (x_of(value), base)], stroke(LIGHT, 7)))?;
-            let style = label(11, HPos::Center, VPos::Top);
-            rest.draw(&Text::new(tick(value, step), (x_of(value), base + px(5)), style))?;
-        }
+        let rows = ROW * named.len() as u32 + 4;
+        let axis = ValueAxis::over(ends, LEFT, rows);
+        axis.draw_grid(&rest)?;
         for (row, &input) in named.iter().enumerate() {
             let (first, last) = (px(ROW * row as u32 + 5), px(ROW * (row as u32 + 1) - 5));
             let style = label(12, HPos::Right, VPos::Center);
@@ -91,18 +86,15 @@ pub fn inputs(of: &InputUncertaintyRecord) -> Option<String> {
             let bar = (last - first) / values.len() as i32;
             for (index, (_, color, of)) in values.iter().enumerate() {
                 let change = 1e2 * of.changes[input];
-                let (left, right) = (x_of(change.min(0.0)), x_of(change.max(0.0)));
+                let (left, right) = (axis.x(change.min(0.0)), axis.x(change.max(0.0)));
                 let upper = first + bar * index as i32;
                 let corners = [(left, upper), (right, upper + bar)];
                 rest.draw(&Rectangle::new(corners, color.filled()))?;
                 rest.draw(&frame(corners, stroke(BLACK, 6)))?;
             }
         }
-        rest.draw(&PathElement::new([(x_of(0.0), 0), (x_of(0.0), base)], stroke(BLACK, 8)))?;
-        let style = label(12, HPos::Center, VPos::Top);
-        let at = ((x_of(low) + x_of(high)) / 2, base + px(23));
-        rest.draw(&Text::new("change over one standard uncertainty, %", at, style))?;
-        Ok(())
+        rest.draw(&PathElement::new([(axis.x(0.0), 0), (axis.x(0.0), px(rows))], stroke(BLACK, 8)))?;
+        axis.draw_axis(&rest, "change over one standard uncertainty, %")
     }))
 }
 

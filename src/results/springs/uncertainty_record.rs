@@ -1,4 +1,4 @@
-//! What springs are worth with inputs that are not known exactly, as `stiffness.json` has it.
+//! Uncertainty of springs by their inputs, as `stiffness.json` has it.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -60,7 +60,7 @@ pub struct UncertainPointRecord {
     pub pressure: UncertainRecord,
 }
 
-/// What a value is worth.
+/// The uncertainty of a value.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct UncertainRecord {
     /// Change over one standard uncertainty of each input, with its sign.
@@ -98,6 +98,13 @@ pub struct UncertainLawRecord {
     pub covariance: [[f64; 3]; 3],
 }
 
+/// The interval of ascending `loads` that holds a `load`, and the part of the way to its end, over the logarithm of the load: 0 to 1, at the ends beyond them.
+pub(crate) fn between_loads(loads: &[f64], load: f64) -> (usize, f64) {
+    let below = loads.partition_point(|at| *at < load).clamp(1, loads.len() - 1) - 1;
+    let part = (load / loads[below]).ln() / (loads[below + 1] / loads[below]).ln();
+    (below, part.clamp(0.0, 1.0))
+}
+
 impl UncertainRecord {
     /// Numbers of the inputs, the one that changes the value most first; those that change it by less than a hundredth of the whole are left out.
     pub fn ranked(&self) -> Vec<usize> {
@@ -129,7 +136,7 @@ impl InputUncertaintyRecord {
         self.points.get(self.points.len() / 2)
     }
 
-    /// What the springs are worth, a sentence each.
+    /// The uncertainty of the springs, a sentence each.
     pub fn sentences(&self) -> Vec<String> {
         if let Some(reason) = &self.missing {
             return vec![format!("uncertainty of the inputs: not known, {reason}")];
