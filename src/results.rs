@@ -8,6 +8,7 @@ pub mod by_angle;
 pub mod run;
 pub mod verdict;
 pub mod crosscheck;
+pub mod self_test;
 pub mod page;
 pub mod inputs;
 pub mod files;

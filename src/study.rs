@@ -15,6 +15,7 @@ mod pair;
 mod analysis;
 mod library_errors;
 mod measured;
+mod force_curve;
 mod mesh_file;
 mod case_notes;
 mod statics;
@@ -35,11 +36,12 @@ pub use analysis::{
 pub(crate) use check::nearest;
 pub use checked::Study;
 pub use document::{
-    ContactElementKey, ElementKey, EnforcementKey, FieldKey, LawAcceptedKey, LawKey, OutputKeys,
-    ReferenceKey, SECTIONS, SlidingMatrixKey, SolidKeys, SolidLoadsKey, SpacingKey, StudyDocument,
-    TransientKey, VerticalKey,
+    ContactElementKey, ElementKey, EnforcementKey, FieldKey, IntendedUseKeys, LawAcceptedKey, LawKey,
+    OutputKeys, ReferenceKey, ReviewKeys, SECTIONS, SlidingMatrixKey, SolidKeys, SolidLoadsKey, SpacingKey,
+    StudyDocument, TransientKey, VerticalKey, ZeroKey,
 };
 pub use explain::{KeyText, SectionText, explain, sections};
+pub use force_curve::{ForceCurve, MeasuredForce};
 pub use library_errors::with_keys;
 pub use pair::{MeasuredSurface, MeshFile, Rail, RailBody, SectionFile, Track, Wheel};
 pub use record::{PairRecord, ResolvedKey};

@@ -63,6 +63,8 @@ const LATERAL: &[&str] = &[
     "scenario.a.lateral_suspension.damping_kn_s_per_m=40",
 ];
 const BANDED: &[&str] = &["calibration.error_band=true"];
+const CURVE: &str = "ROOT/tests/studies/force-displacement.csv";
+const MEASURED: &[&str] = &["validation.measured=ROOT/tests/studies/force-displacement.csv"];
 const FOOT_HELD: &[&str] = &["calibration.foot_held=true"];
 
 /// A key, what it needs, and another value.
@@ -71,6 +73,10 @@ type Changed = (&'static str, &'static [&'static str], &'static str);
 const CHANGED: &[Changed] = &[
     ("name", PLAIN, "other"),
     ("description", PLAIN, "words"),
+    ("intended_use.purpose", PLAIN, "words"),
+    ("intended_use.displacement_percent", PLAIN, "50"),
+    ("intended_use.tangent_percent", BANDED, "50"),
+    ("intended_use.horizontal_percent", BANDED, "50"),
     ("rail.profile", PLAIN, "54E1"),
     ("rail.inclination", PLAIN, "1:20"),
     ("rail.length_m", PLAIN, "0.6"),
@@ -220,6 +226,12 @@ const CHANGED: &[Changed] = &[
     ("verification.beam_missing", PLAIN, "0.2"),
     ("verification.horizontal_spread", PLAIN, "0.2"),
     ("verification.published_stiffness", FOOT_HELD, "0.2"),
+    ("validation.measured", PLAIN, CURVE),
+    ("validation.zero", MEASURED, "first-line"),
+    ("validation.standard_uncertainty_mm", MEASURED, "0.002"),
+    ("review.author", PLAIN, "A"),
+    ("review.reviewer", PLAIN, "B"),
+    ("review.independent_of", PLAIN, "A"),
 ];
 
 /// Keys of files of which the program knows the content alone, and of what stands in them; tests of these files change them

@@ -1,5 +1,6 @@
 //! All tests of this package that are not unit tests, in one program: they are linked once, and no core waits for the last test of a file.
 
+mod assessment;
 mod assumed_bodies;
 mod both_elements;
 mod by_angle;

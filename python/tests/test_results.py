@@ -76,7 +76,7 @@ def test_what_is_wrong_is_said(work: Path) -> None:
     assert refused.value.code == 2 and not (work / "no").exists()
     with pytest.raises(FileNotFoundError, match="run `railspring calibrate` first"):
         Calibration.read(work / "no")
-    with pytest.raises(FileNotFoundError, match="cargo install"):
+    with pytest.raises(FileNotFoundError, match="leave RAILSPRING and program= out"):
         railspring.fit("S1002", "60E1", work / "no", program=work / "none")
     (work / "wrong").mkdir()
     (work / "wrong" / "stiffness.json").write_text("[1]", encoding="utf-8")

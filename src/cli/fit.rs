@@ -112,6 +112,9 @@ pub(super) fn new(args: &NewArgs) -> Result<(), Failure> {
     let written = Study::parse(&file, &text)?;
     debug_assert_eq!(key(&written.statics()), key(&study.statics()));
     written_new(&folder, &file, &text)?;
+    if written.intended_use.purpose.trim().is_empty() {
+        remark("say what the springs are for: intended_use.purpose, and how accurate they have to be");
+    }
     Ok(say(&file.display().to_string())?)
 }
 

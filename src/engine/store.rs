@@ -56,10 +56,12 @@ pub enum Kind {
     Verdict,
     /// A report.
     Report,
+    /// The program's own test.
+    SelfTest,
 }
 
 impl Kind {
-    const ALL: [Self; 10] = [
+    const ALL: [Self; 11] = [
         Self::Body,
         Self::Calibration,
         Self::ByAngle,
@@ -70,6 +72,7 @@ impl Kind {
         Self::Meshes,
         Self::Verdict,
         Self::Report,
+        Self::SelfTest,
     ];
 
     /// The name in file names and lists.
@@ -85,6 +88,7 @@ impl Kind {
             Self::Meshes => "meshes",
             Self::Verdict => "verdict",
             Self::Report => "report",
+            Self::SelfTest => "self-test",
         }
     }
 }

@@ -343,7 +343,8 @@ impl<'a> StudyRun<'a> {
         verdict: &VerificationRecord,
     ) -> Result<()> {
         let input = PageInput::of(self.study);
-        let report = Report { solids: &mut self.solids, input, calibration, by_angle, runs, verdict };
+        let checks = Vec::new();
+        let report = Report { solids: &mut self.solids, input, calibration, by_angle, runs, verdict, checks };
         write_report(&mut self.engine, report)
     }
 

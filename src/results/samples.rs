@@ -8,6 +8,7 @@ use railspring_simulate::time::history::{ContactMode, ContactState, Ending, Hist
 
 use crate::engine::measured::{MachineRecord, Measured, StageMeasure};
 use crate::results::bodies::outline_figure::ProfilePair;
+use crate::self_test::Check;
 use crate::study::ResolvedKey;
 
 mod springs;
@@ -116,6 +117,22 @@ pub(crate) fn profiles() -> ProfilePair {
 }
 
 /// Some keys.
+/// Checks of the program's own test, all of which hold.
+pub(crate) fn checks() -> Vec<Check> {
+    let check = |name: &str, source: &str, found: f64, expected: f64, tolerance: f64| Check {
+        name: name.into(),
+        source: source.into(),
+        found,
+        expected,
+        tolerance,
+    };
+    vec![
+        check("shortening of a column of bricks, m", "F L / (E A)", 2.380_95e-5, 2.380_95e-5, 1e-10),
+        check("observed order of bricks' displacement", "manufactured", 1.98, 2.0, 0.05),
+        check("approach of S1002 on UIC60, 3 mm, 94.6 kN, m", "CONTACT 25.2", 1.1074e-4, 1.1076e-4, 0.01),
+    ]
+}
+
 pub(crate) fn inputs() -> Vec<ResolvedKey> {
     [
         ("rail", "profile", "60E1", true),

@@ -8,7 +8,11 @@ use railspring_simulate::solid::START_MODES;
 use super::analysis::{
     CalibrationSettings, ContactSettings, SimulationSettings, StudyScenario, UncertaintySettings,
 };
-use super::document::{ContactElementKey, ElementKey, LawKey, OutputKeys, SECTIONS, SolidKeys, TransientKey};
+use super::document::{
+    ContactElementKey, ElementKey, IntendedUseKeys, LawKey, OutputKeys, ReviewKeys, SECTIONS, SolidKeys,
+    TransientKey,
+};
+use super::force_curve::ForceCurve;
 use super::pair::{Rail, Track, Wheel};
 use super::record::ResolvedKey;
 use super::source::Source;
@@ -22,6 +26,8 @@ pub struct Study {
     pub name: String,
     /// What the study is about.
     pub description: String,
+    /// What the springs are for.
+    pub intended_use: IntendedUseKeys,
     /// The rail.
     pub rail: Rail,
     /// The wheel.
@@ -56,6 +62,10 @@ pub struct Study {
     pub main_scenario: Option<String>,
     /// Limits of the verdict.
     pub limits: Limits,
+    /// The measured curve that the law is compared with.
+    pub measured: Option<ForceCurve>,
+    /// Who made and who reviewed the study.
+    pub review: ReviewKeys,
     /// Files for other programs.
     pub output: OutputKeys,
     /// All keys with their values, defaults filled in; the keys of each section by name.

@@ -6,6 +6,7 @@
 //! once. `x-field` names the field of the libraries that a key sets. [`super::Study`] holds the same values in SI
 //! units.
 
+mod assessment;
 mod material;
 mod bodies;
 mod output;
@@ -23,6 +24,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::verify::Limits;
 
+pub use assessment::{IntendedUseKeys, ReviewKeys, ValidationKeys, ZeroKey};
 pub use bodies::{
     Inclination, MeshFileKeys, RailBodyKey, RailDimensionKeys, RailKeys, SurfaceKeys, UnitKey, WebKey,
     WheelKeys,
@@ -34,7 +36,8 @@ pub use solid::{SolidKeys, TransientKey};
 pub use uncertainty::UncertaintyKeys;
 
 /// Sections of the study file, in their order.
-pub const SECTIONS: [&str; 13] = [
+pub const SECTIONS: [&str; 16] = [
+    "intended_use",
     "rail",
     "wheel",
     "track",
@@ -47,6 +50,8 @@ pub const SECTIONS: [&str; 13] = [
     "solid",
     "scenario",
     "verification",
+    "validation",
+    "review",
     "output",
 ];
 
@@ -60,6 +65,9 @@ pub struct StudyDocument {
     /// What the study is about, in a sentence or two; shown in the report.
     #[serde(default)]
     pub description: String,
+    /// What the springs are for, and how accurate they have to be.
+    #[serde(default)]
+    pub intended_use: IntendedUseKeys,
     /// The rail.
     pub rail: RailKeys,
     /// The wheel.
@@ -94,6 +102,12 @@ pub struct StudyDocument {
     /// Limits of the verdict.
     #[serde(default)]
     pub verification: Limits,
+    /// A measurement that the springs are compared with.
+    #[serde(default)]
+    pub validation: ValidationKeys,
+    /// Who made and who reviewed the study.
+    #[serde(default)]
+    pub review: ReviewKeys,
     /// Files for other programs.
     #[serde(default)]
     pub output: OutputKeys,

@@ -1,11 +1,13 @@
 //! From the keys of the file to values in SI units, with the checks that
 //! concern several keys at once.
 
+mod assessment;
 mod bodies;
 mod uncertainty;
 
 use std::collections::BTreeMap;
 
+use assessment::measured_curve;
 use bodies::{rail, wheel};
 use railspring_calibrate::mesh::MeshOptions;
 use railspring_profiles::error::InputError;
@@ -69,9 +71,13 @@ pub(super) fn resolve(
     let main_scenario = collector.take(&["simulation.scenario"], main_scenario(&document, &source));
     collector
         .take(&["verification.published_stiffness", "calibration.*"], published_limit(&document, &source));
+    let measured_curve = collector.take(
+        &["validation.*", "calibration.*"],
+        measured_curve(&document.validation, &source, calibration.as_ref()),
+    );
     let mistakes = collector.into_mistakes();
-    let (Some(rail), Some(wheel), Some(calibration), Some(main_scenario), true) =
-        (rail, wheel, calibration, main_scenario, mistakes.is_empty())
+    let (Some(rail), Some(wheel), Some(calibration), Some(main_scenario), Some(measured_curve), true) =
+        (rail, wheel, calibration, main_scenario, measured_curve, mistakes.is_empty())
     else {
         return Err(mistakes);
     };
@@ -89,6 +95,7 @@ pub(super) fn resolve(
     Ok(Study {
         name: document.name,
         description: document.description,
+        intended_use: document.intended_use,
         rail,
         wheel,
         damping: document.material.damping(),
@@ -129,6 +136,8 @@ pub(super) fn resolve(
         scenarios,
         main_scenario,
         limits: document.verification,
+        measured: measured_curve,
+        review: document.review,
         output: document.output,
         resolved,
         source,

@@ -6,8 +6,6 @@ from typing import overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__file__: str
-
 def run_program(arguments: list[str], file: str, command: str | None) -> int:
     """Runs the program `railspring` with arguments, the first of them its name; its exit code. `file` is this module, `command` what starts the program."""
 

@@ -5,6 +5,7 @@
 
 use serde_json::{Value, json};
 
+use super::annex::annex;
 use super::data::ReportData;
 use super::first_screen;
 use crate::report::collector::Collector;
@@ -94,6 +95,7 @@ pub fn build(data: &ReportData<'_>) -> Report {
     let scenarios: Vec<Value> =
         data.scenarios.iter().map(|run| scenario(run, data, &mut collected)).collect();
     let chapter = crosscheck::page::chapter(&data.crosscheck, &mut collected);
+    let annex = annex(data, &chapter, &mut collected);
     let assumed_bodies = stiffness.assumed.as_ref().map(|record| {
         let caption = outline_figure::caption(&record.sentence());
         collected.add("assumed-bodies", outline_figure::figure(number::WIDTH, data.bodies), caption)
@@ -123,6 +125,7 @@ pub fn build(data: &ReportData<'_>) -> Report {
             "lumped": data.by_angle.and_then(|laws| laws.lumped.as_ref()).map(by_angle::lumped_table::table),
             "scenarios": scenarios,
             "crosscheck": chapter,
+            "annex": annex,
             "lines": tables::lines(data.verdict),
             "not_applicable": data.verdict.not_applicable().collect::<Vec<_>>(),
             "notes": tables::notes(data.verdict),

@@ -9,7 +9,8 @@ use crate::results::patches::record::PatchesRecord;
 use crate::results::run::figures::ScenarioRun;
 use crate::results::springs::record::{LoadCurveRow, StiffnessRecord};
 use crate::results::verdict::record::VerificationRecord;
-use crate::study::ResolvedKey;
+use crate::self_test::Check;
+use crate::study::{IntendedUseKeys, ResolvedKey, ReviewKeys};
 
 /// Everything the report shows.
 #[derive(Debug, Clone)]
@@ -22,6 +23,12 @@ pub struct ReportData<'a> {
     pub file: Option<(String, String)>,
     /// The study's keys.
     pub inputs: &'a [ResolvedKey],
+    /// What the springs are for.
+    pub intended_use: &'a IntendedUseKeys,
+    /// Who made and who reviewed the study.
+    pub review: &'a ReviewKeys,
+    /// The program's own test on this machine.
+    pub checks: &'a [Check],
     /// The springs.
     pub stiffness: &'a StiffnessRecord,
     /// The load curve with the reference in use.

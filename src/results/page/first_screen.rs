@@ -11,6 +11,7 @@ use crate::results::verdict::record::{ScenarioVerdict, VerdictOn, VerdictSubject
 use crate::results::verdict::tables;
 use crate::rounding::{rounded_to, significant};
 use crate::study::{ContactElementKey, ResolvedKey};
+use crate::verify::Kind;
 
 /// The springs in use, the limits that fail, and what the springs are valid for.
 pub(crate) fn first_screen(data: &ReportData<'_>) -> Value {
@@ -23,7 +24,24 @@ pub(crate) fn first_screen(data: &ReportData<'_>) -> Value {
         "programs": programs(data),
         "failing": failing(data),
         "valid": valid(data),
+        "purpose": data.intended_use.purpose,
+        "required": required(data),
+        "author": data.review.author,
+        "reviewer": data.review.reviewer,
+        "independent_of": data.review.independent_of,
     })
+}
+
+/// What the intended use asks for, a sentence each.
+fn required(data: &ReportData<'_>) -> Vec<String> {
+    let of = data.intended_use;
+    let parts = [
+        ("displacement", of.displacement_percent),
+        ("tangent stiffness", of.tangent_percent),
+        ("horizontal stiffness", of.horizontal_percent),
+    ];
+    let known = parts.into_iter().filter_map(|(what, percent)| Some((what, percent?)));
+    known.map(|(what, percent)| format!("{what} within \u{b1}{} % (95 %)", number(percent))).collect()
 }
 
 /// A, b and c of a law, rounded to their standard errors; a and b in kN/m.
@@ -159,7 +177,10 @@ fn failing(data: &ReportData<'_>) -> Vec<Value> {
         json!({
             "line": tables::line_text(subject, line),
             "at": at,
-            "why": reason(&line.quantity).replace('`', ""),
+            "why": match line.kind {
+                Kind::Acceptance => "the study asks for it".into(),
+                _ => reason(&line.quantity).replace('`', ""),
+            },
         })
     };
     failing.iter().map(item).collect()

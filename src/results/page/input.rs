@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::results::crosscheck::in_time::input::InTimeInput;
 use crate::results::crosscheck::input::CrosscheckInput;
-use crate::study::{ResolvedKey, Source, Study, StudyScenario};
+use crate::study::{IntendedUseKeys, ResolvedKey, ReviewKeys, Source, Study, StudyScenario};
 use crate::verify::Limits;
 
 /// A study as the pages show it.
@@ -19,6 +19,12 @@ pub struct PageInput<'a> {
     pub description: &'a str,
     /// Its keys with their values.
     pub keys: &'a [ResolvedKey],
+    /// What its springs are for, which the keys have.
+    #[serde(skip)]
+    pub intended_use: &'a IntendedUseKeys,
+    /// Who made and who reviewed it, likewise.
+    #[serde(skip)]
+    pub review: &'a ReviewKeys,
     /// The file that it came from.
     #[serde(skip)]
     pub source: &'a Source,
@@ -41,6 +47,8 @@ impl<'a> PageInput<'a> {
             name: &study.name,
             description: &study.description,
             keys: &study.resolved,
+            intended_use: &study.intended_use,
+            review: &study.review,
             source: &study.source,
             limits: &study.limits,
             cases: &study.scenarios,

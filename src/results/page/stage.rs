@@ -20,8 +20,10 @@ use crate::results::page::input::PageInput;
 use crate::results::run::figures::{ModelRun, ScenarioRun};
 use crate::results::run::springs;
 use crate::results::run::stage::{Other, Run, Runs};
+use crate::results::self_test::SelfTest;
 use crate::results::springs::make::Calibration;
 use crate::results::verdict::record::VerificationRecord;
+use crate::self_test::Check;
 use crate::study::ContactElementKey;
 use crate::verify::Band;
 
@@ -34,6 +36,8 @@ pub(crate) struct Report<'s, 'a> {
     pub by_angle: Option<&'s StiffnessByAngleRecord>,
     pub runs: &'s [(String, Runs)],
     pub verdict: &'s VerificationRecord,
+    /// The program's own test; made by [`write_report`].
+    pub checks: Vec<Check>,
 }
 
 impl<'s> Stage for Report<'s, '_> {
@@ -102,6 +106,9 @@ impl<'s> Stage for Report<'s, '_> {
                 .file_name()
                 .map(|name| (name.to_string_lossy().into_owned(), input.source.hash().to_string())),
             inputs: input.keys,
+            intended_use: input.intended_use,
+            review: input.review,
+            checks: &self.checks,
             stiffness: &self.calibration.stiffness,
             load_curve: &self.calibration.load_curve,
             patches: &self.calibration.patches,
@@ -152,6 +159,14 @@ impl<'s> Stage for Report<'s, '_> {
 /// # Errors
 /// Those of the geometry, and files that cannot be written.
 pub(crate) fn write_report(engine: &mut Engine<'_>, mut report: Report<'_, '_>) -> Result<()> {
+    report.checks = engine.get(&mut SelfTest)?;
+    let failed = report.checks.iter().filter(|check| !check.holds()).count();
+    if failed > 0 {
+        let all = report.checks.len();
+        engine.monitor.notice(&format!(
+            "self-test: {failed} of {all} checks fail on this machine; see `railspring self-test`"
+        ));
+    }
     engine.get(&mut report)?;
     let folder = engine.folder;
     let Some(record) = own_crosscheck(&report.input, folder) else { return Ok(()) };

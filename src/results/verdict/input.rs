@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use crate::engine::store::{Address, Kind};
-use crate::study::{LawKey, Study, StudyScenario, Wheel};
+use crate::study::{ForceCurve, IntendedUseKeys, LawKey, Study, StudyScenario, Wheel};
 use crate::verify::Limits;
 
 /// Limits, and whose they are.
@@ -18,6 +18,11 @@ pub struct VerdictInput<'a> {
     /// The accepted sizes of Q/P over 2 m of track, of the load cases that have one.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub ratio_limits: BTreeMap<&'a str, f64>,
+    /// What the springs are for.
+    pub intended_use: &'a IntendedUseKeys,
+    /// The measured curve that the law is compared with.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub measured: Option<&'a ForceCurve>,
     /// The wheel, which the published law is not of.
     #[serde(skip)]
     pub wheel: &'a Wheel,
@@ -45,6 +50,8 @@ impl<'a> VerdictInput<'a> {
                 .iter()
                 .filter_map(|(name, case)| Some((name.as_str(), case.ratio_limit?)))
                 .collect(),
+            intended_use: &study.intended_use,
+            measured: study.measured.as_ref(),
             wheel: &study.wheel,
             cases: &study.scenarios,
             main_case: study.main_scenario.as_deref(),

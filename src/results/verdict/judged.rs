@@ -7,7 +7,9 @@ use crate::results::springs::form::OffRecord;
 use crate::results::springs::record::StiffnessRecord;
 use crate::results::verdict::input::VerdictInput;
 use crate::results::verdict::law_lines::form_in_use;
-use crate::results::verdict::record::{ScenarioVerdict, VerdictOn, VerdictSubject, VerificationRecord};
+use crate::results::verdict::record::{
+    INTENDED_USE, ScenarioVerdict, VerdictOn, VerdictSubject, VerificationRecord,
+};
 use crate::rounding::{significant, with_unit};
 use crate::verify::{Line, touches_with_flange};
 
@@ -30,7 +32,7 @@ impl Judging<'_> {
 
     fn verdict(&self, record: &VerificationRecord, on: VerdictSubject) -> Option<VerdictOn> {
         let [hold, hold_by_solid, fail] = record.counts(on);
-        if hold + hold_by_solid + fail == 0 {
+        if record.lines_on(on).all(|(subject, _)| subject == INTENDED_USE) {
             return None;
         }
         let (mut holds_for, mut not_for) = (Vec::new(), Vec::new());
@@ -48,6 +50,9 @@ impl Judging<'_> {
             (None, None) if statics.is_empty() => {}
             (None, None) => not_for.push("static loads: the law is off at each of them".into()),
         }
+        not_for.extend(
+            worst(record.requirements.iter()).map(|line| format!("the intended use: {}", reason(line))),
+        );
         for judged in record.scenarios.iter().filter(|judged| judged.compared.is_some()) {
             let lines: Vec<&Line> = record
                 .lines_on(on)

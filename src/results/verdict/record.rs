@@ -6,11 +6,15 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::results::run::record::RunRecord;
+use crate::results::verdict::validation::ValidationRecord;
 use crate::rounding::with_unit;
 use crate::study::ContactElementKey;
 use crate::verify::{
     Both, ChangedLimit, Compared, Comparison, HeldBy, Line, NotApplicable, RunningStatistics,
 };
+
+/// Subject of the lines on what the intended use asks for.
+pub(crate) const INTENDED_USE: &str = "intended use";
 
 /// `verification.json`: the verdict.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -28,6 +32,12 @@ pub struct VerificationRecord {
     /// Limits of the study that are not the default ones.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub changed_limits: Vec<ChangedLimit>,
+    /// Lines on what the intended use of the springs asks for; they belong to every verdict.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub requirements: Vec<Line>,
+    /// The law beside a measured curve, if the study names one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub validation: Option<ValidationRecord>,
     /// Lines on the springs themselves.
     pub calibration: Vec<Line>,
     /// Lines on the condensed element under static loads.
@@ -234,7 +244,7 @@ impl ScenarioVerdict {
 }
 
 impl VerificationRecord {
-    /// The lines of the verdict that decides, with their subjects: `springs`, `element` or `lumped`, then the scenarios.
+    /// The lines of the verdict that decides, with their subjects: `intended use`, `springs`, `element` or `lumped`, then the scenarios.
     pub fn lines(&self) -> impl Iterator<Item = (&str, &Line)> {
         self.lines_on(self.decides)
     }
@@ -250,7 +260,8 @@ impl VerificationRecord {
             let lines = s.lines_of(on.contact_element());
             lines.iter().map(|line| (s.scenario.as_str(), line))
         });
-        statics.iter().map(move |line| (on.name(), line)).chain(scenarios)
+        let requirements = self.requirements.iter().map(|line| (INTENDED_USE, line));
+        requirements.chain(statics.iter().map(move |line| (on.name(), line))).chain(scenarios)
     }
 
     /// What could not be compared, with the scenarios.

@@ -22,6 +22,8 @@ use crate::results::verdict::law_lines::{law_lines, loads_used};
 use crate::results::verdict::record::{
     ElementDifferences, ElementVerdict, ScenarioVerdict, VerdictSubject, VerificationRecord,
 };
+use crate::results::verdict::requirements::requirements;
+use crate::results::verdict::validation::validation;
 use crate::rounding::significant;
 use crate::study::{ContactElementKey, Wheel};
 use crate::verify::{self, Both, Criterion, Limits, Line, RunningStatistics};
@@ -121,12 +123,16 @@ impl Stage for Verify<'_> {
                 .zip(laws)
                 .map_or_else(Vec::new, |(record, laws)| statics_lines(input.limits, record, laws, on))
         };
+        let validation =
+            input.measured.zip(self.stiffness).and_then(|(curve, stiffness)| validation(curve, stiffness));
         let mut verdict = VerificationRecord {
             study: input.name.into(),
             holds: false,
             decides,
             verdicts: Vec::new(),
             changed_limits: input.limits.changed(),
+            requirements: requirements(input.intended_use, self.stiffness, validation.as_ref()),
+            validation,
             calibration: self
                 .stiffness
                 .map_or_else(Vec::new, |record| calibration_lines(input, record, loads_used(self.runs))),

@@ -15,6 +15,7 @@ use crate::results::verdict::record::{
     ElementVerdict, ScenarioVerdict, VerdictOn, VerdictSubject, VerificationRecord,
 };
 use crate::rounding::significant;
+use crate::study::{IntendedUseKeys, ReviewKeys};
 use crate::verify::{self, Band, Carrying, ChangedLimit, Limits, Spread, Worth, compare};
 
 fn build_sample() -> Report {
@@ -30,11 +31,16 @@ fn build_with(crosscheck: Crosscheck<'_>) -> Report {
     let (inputs, measured) = (samples::inputs(), samples::measured());
     let laws = samples::by_angle();
     let patches = samples::patches();
+    let intended_use = IntendedUseKeys { purpose: "Run-up in a curve.".into(), ..IntendedUseKeys::default() };
+    let checks = samples::checks();
     build(&ReportData {
         name: "sample <study>",
         description: "Made-up numbers.",
         file: Some(("sample.toml".into(), "ef".repeat(32))),
         inputs: &inputs,
+        intended_use: &intended_use,
+        review: &ReviewKeys { reviewer: Some("A. Assessor".into()), ..ReviewKeys::default() },
+        checks: &checks,
         stiffness: &stiffness,
         load_curve: &load_curve,
         patches: &patches,
@@ -105,6 +111,8 @@ fn verdict(simple: &History, solid: &History) -> VerificationRecord {
         elements,
     };
     VerificationRecord {
+        requirements: Vec::new(),
+        validation: None,
         study: "sample".into(),
         holds: scenario.lines.iter().all(|line| line.holds),
         decides: VerdictSubject::Element,
