@@ -72,10 +72,13 @@ impl Place {
         Done::new(output, self.path(out))
     }
 
-    /// Files of a store.
+    /// Files of a store but for the program's own test, which is no result of a study.
     fn entries(&self, store: &str) -> Vec<PathBuf> {
         let files = std::fs::read_dir(self.path(store)).into_iter().flatten().flatten();
-        let mut files: Vec<PathBuf> = files.map(|entry| entry.path()).collect();
+        let own_test =
+            |entry: &std::fs::DirEntry| entry.file_name().to_string_lossy().starts_with("self-test-");
+        let mut files: Vec<PathBuf> =
+            files.filter(|entry| !own_test(entry)).map(|entry| entry.path()).collect();
         files.sort();
         files
     }

@@ -40,4 +40,8 @@ impl Stage for SelfTest {
     fn outdates(&self) -> &'static [&'static str] {
         &[]
     }
+
+    fn is_measured(&self) -> bool {
+        false
+    }
 }

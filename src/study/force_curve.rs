@@ -120,7 +120,9 @@ fn points(
     standard_uncertainty: Option<f64>,
     [least, most]: [f64; 2],
 ) -> Result<Vec<MeasuredForce>> {
-    let heading = text.lines().find(|line| !line.trim_start().starts_with('#')).unwrap_or_default();
+    let is_heading = |line: &&str| !line.trim().is_empty() && !line.starts_with('#');
+    let heading = text.lines().find(is_heading).unwrap_or_default();
+    let line = text.lines().position(|line| is_heading(&line)).map_or(1, |at| at as u64 + 1);
     let delimiter =
         [b';', b'\t', b','].into_iter().find(|at| heading.as_bytes().contains(at)).unwrap_or(b',');
     let mut reader = ReaderBuilder::new()
@@ -133,7 +135,6 @@ fn points(
         wrong(file, line, cause, "as many cells on each line as there are names", "correct the line")
     };
     let names = reader.headers().map_err(broken)?.clone();
-    let line = names.position().map_or(1, csv::Position::line);
     let [force, displacement, uncertainty] = columns(file, line, &names)?;
     let needed = |column: Option<(usize, f64)>, name: &str| {
         column.ok_or_else(|| {
@@ -294,7 +295,7 @@ mod tests {
     #[test]
     fn what_is_no_curve_is_refused_with_its_line() {
         for (text, at, said) in [
-            ("force,displacement\n10,0.02\n", "c.csv:1: \"force\"", "force_kn"),
+            ("# rig\n\nforce,displacement\n10,0.02\n", "c.csv:3: \"force\"", "force_kn"),
             (
                 "force_kn,displacement_mm,approach_mm\n",
                 "c.csv:1: \"displacement_mm\" and \"approach_mm\"",
