@@ -10,6 +10,7 @@ pub mod fields;
 pub mod make;
 pub mod error_band;
 pub mod assumed;
+pub mod uncertain_inputs;
 pub mod uncertainty;
 pub mod figures;
 pub mod forms_figure;

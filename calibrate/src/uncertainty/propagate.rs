@@ -1,14 +1,12 @@
 //! Departures of inputs through a model, to first order and by quasi-random samples.
 
 use super::distribution::Distribution;
-use nalgebra::{DMatrix, DVector};
+use super::samples::{departures, first_order_indices, is_enough, percentile};
 use railspring_profiles::error::{Result, unless_interrupted};
 use railspring_profiles::monitor::Monitor;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Least share of samples with an answer. A band of fewer would leave out those that have none.
-const LEAST_ANSWERED: f64 = 0.95;
 /// Degree of the polynomials in each input, by which first-order indices are found from the samples.
 const DEGREE: usize = 2;
 
@@ -81,14 +79,10 @@ pub fn propagate(
         return Ok(Propagated { linear, departures: Vec::new(), changes: Vec::new(), failed: 0 });
     }
     let nominal = logarithms(&vec![0.0; inputs.len()], false)?;
-    let found: Vec<Option<(Vec<f64>, Vec<f64>)>> = (0..samples)
+    let distributions: Vec<Distribution> = inputs.iter().map(|input| input.distribution).collect();
+    let found: Vec<Option<(Vec<f64>, Vec<f64>)>> = departures(&distributions, samples)
         .into_par_iter()
-        .map(|sample| {
-            let departures: Vec<f64> = inputs
-                .iter()
-                .enumerate()
-                .map(|(i, input)| input.distribution.quantile(probability(sample, i)))
-                .collect();
+        .map(|departures| {
             let through: Vec<f64> = departures
                 .iter()
                 .zip(inputs)
@@ -112,17 +106,10 @@ pub fn propagate(
     Ok(Propagated { linear, departures, changes, failed })
 }
 
-/// Coordinate of a point of the sequence, in the middle of what `f32` tells apart: never 0 nor 1.
-fn probability(sample: usize, input: usize) -> f64 {
-    const HALF_A_DIGIT: f64 = 1.0 / (1 << 25) as f64;
-    f64::from(sobol_burley::sample(sample as u32, input as u32, 0)) + HALF_A_DIGIT
-}
-
 impl Propagated {
     /// Whether so many samples have an answer that they make a band.
     pub fn is_enough(&self) -> bool {
-        let all = self.changes.len() + self.failed;
-        all > 0 && self.changes.len() as f64 >= LEAST_ANSWERED * all as f64
+        is_enough(self.changes.len(), self.changes.len() + self.failed)
     }
 
     /// The band of an answer.
@@ -143,45 +130,10 @@ impl Propagated {
         let mut ascending = changes.clone();
         ascending.sort_unstable_by(f64::total_cmp);
         let percentiles = Some([0.025, 0.975].map(|at| percentile(&ascending, at).exp_m1()));
-        let shares = self.shares(&changes, mean).unwrap_or_else(to_first_order);
+        let inputs = (self.linear.len(), DEGREE);
+        let shares = first_order_indices(&self.departures, &changes, inputs).unwrap_or_else(to_first_order);
         Band { linear, sampled: Some(sampled), percentiles, shares }
     }
-
-    /// First-order indices of the inputs from samples of an answer: the variance of its mean over all other inputs, by a polynomial in each input
-    /// that is fitted to all samples (as polynomial chaos without interactions, B. Sudret, *Reliab. Eng. Syst. Saf.* 93 (2008)). None where there are too few samples
-    /// for it.
-    fn shares(&self, changes: &[f64], mean: f64) -> Option<Vec<f64>> {
-        const SAMPLES_A_COEFFICIENT: usize = 4;
-        let inputs = self.linear.len();
-        let columns = 1 + DEGREE * inputs;
-        if changes.len() < SAMPLES_A_COEFFICIENT * columns {
-            return None;
-        }
-        let matrix = DMatrix::from_fn(changes.len(), columns, |sample, column| match column.checked_sub(1) {
-            None => 1.0,
-            Some(term) => self.departures[sample][term / DEGREE].powi((term % DEGREE + 1) as i32),
-        });
-        let values = DVector::from_iterator(changes.len(), changes.iter().map(|change| change - mean));
-        let coefficients = matrix.clone().svd(true, true).solve(&values, 1e-12).ok()?;
-        let variance = values.norm_squared();
-        let of_input = |input: usize| -> f64 {
-            let terms = 1 + DEGREE * input..1 + DEGREE * (input + 1);
-            let part: Vec<f64> = (0..changes.len())
-                .map(|sample| terms.clone().map(|term| matrix[(sample, term)] * coefficients[term]).sum())
-                .collect();
-            let mean = part.iter().sum::<f64>() / part.len() as f64;
-            part.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / variance.max(f64::MIN_POSITIVE)
-        };
-        Some((0..inputs).map(of_input).collect())
-    }
-}
-
-/// Value below which a share of all ascending values lies, between the two nearest.
-fn percentile(values: &[f64], share: f64) -> f64 {
-    let place = (share * values.len() as f64 - 0.5).clamp(0.0, (values.len() - 1) as f64);
-    let (below, part) = (place as usize, place.fract());
-    let above = (below + 1).min(values.len() - 1);
-    values[below] + part * (values[above] - values[below])
 }
 
 #[cfg(test)]

@@ -1,22 +1,19 @@
 //! Uncertainty of springs by their inputs: those of a study through its pair, on the bodies that it has.
 
-use std::f64::consts::PI;
-
 use nalgebra::Matrix3;
 use railspring_calibrate::calibration::{ContactField, NormalCalibration, Reference};
 use railspring_calibrate::law::fit_law;
 use railspring_calibrate::pair::{CondensedPair, spread};
-use railspring_calibrate::uncertainty::{
-    Asked, Band, Departure, Distribution, Input, Propagated, UncertainPair, propagate,
-};
+use railspring_calibrate::uncertainty::{Asked, Band, Propagated, UncertainPair, propagate};
 use railspring_profiles::error::{Result, or_reason};
 use railspring_profiles::monitor::Monitor;
-use railspring_profiles::units::{KILONEWTON, MILLIMETRE};
+use railspring_profiles::units::KILONEWTON;
 
 use crate::results::bodies::geometry::{Geometry, track};
 use crate::results::springs::law::LawConstants;
 use crate::results::springs::make::{FoundSprings, contact_conditions};
 use crate::results::springs::record::StiffnessRecord;
+use crate::results::springs::uncertain_inputs::UncertainInputs;
 use crate::results::springs::uncertainty_record::{
     InputUncertaintyRecord, UncertainInputRecord, UncertainLawRecord, UncertainPointRecord, UncertainRecord,
     between_loads,
@@ -27,99 +24,6 @@ use crate::study::Statics;
 const LOADS: usize = 4;
 /// Half widths of the normal band of 95 %, in standard uncertainties, where there are no samples.
 const TWICE: f64 = 2.0;
-/// Largest standard uncertainty of the friction as a part of it, so that it stays positive.
-const LARGEST_FRICTION: f64 = 0.5;
-
-/// An input of the study.
-struct Source {
-    name: &'static str,
-    key: &'static str,
-    unit: &'static str,
-    /// The unit of its key in SI units.
-    in_si: f64,
-    /// Standard uncertainty in SI units.
-    standard: f64,
-    distribution: Distribution,
-    /// Whether samples depart in it.
-    sampled: bool,
-    /// Puts in a departure, in SI units.
-    depart: fn(&mut Departure, f64),
-}
-
-/// The inputs of a study that are not known exactly.
-fn sources(statics: Statics<'_>) -> Vec<Source> {
-    const MILLIMETRES: (&str, f64) = ("mm", MILLIMETRE);
-    const MICROMETRES: (&str, f64) = ("\u{b5}m", 1e-3 * MILLIMETRE);
-    const DEGREES: (&str, f64) = ("degrees", PI / 180.0);
-    const PER_CENT: (&str, f64) = ("%", 1e-2);
-    const NUMBER: (&str, f64) = ("", 1.0);
-    let of = statics.uncertainty;
-    let ([rail_roll, wheel_roll], [rail_form, wheel_form]) = (of.roll, of.form);
-    let source = |name, key, (unit, in_si), standard, depart| Source {
-        name,
-        key,
-        unit,
-        in_si,
-        standard,
-        distribution: Distribution::Normal,
-        sampled: true,
-        depart,
-    };
-    let rectangular = |source: Source| Source { distribution: Distribution::Rectangular, ..source };
-    let to_first_order = |source: Source| Source { sampled: false, ..source };
-    let friction = of.friction.min(LARGEST_FRICTION * statics.contact.friction);
-    let all = [
-        source("place of the wheel across the track", "lateral_mm", MILLIMETRES, of.lateral, |d, by| {
-            d.lateral += by
-        }),
-        // a wider gauge moves this rail to the field side by half of it
-        source("track gauge", "gauge_mm", MILLIMETRES, of.gauge, |d, by| d.lateral -= 0.5 * by),
-        source("distance of the flange backs", "flange_back_mm", MILLIMETRES, of.flange_back, |d, by| {
-            d.lateral += 0.5 * by
-        }),
-        source("inclination of the rail", "inclination_deg", DEGREES, of.inclination, |d, by| {
-            d.rail_roll += by
-        }),
-        source("turn of the rail profile", "rail_roll_deg", DEGREES, rail_roll, |d, by| d.rail_roll += by),
-        source("turn of the wheel profile", "wheel_roll_deg", DEGREES, wheel_roll, |d, by| {
-            d.wheel_roll += by
-        }),
-        source("form of the rail profile (cosine)", "rail_form_um", MICROMETRES, rail_form, |d, by| {
-            d.rail_waves[0] += by
-        }),
-        source("form of the rail profile (sine)", "rail_form_um", MICROMETRES, rail_form, |d, by| {
-            d.rail_waves[1] += by
-        }),
-        source("form of the wheel profile (cosine)", "wheel_form_um", MICROMETRES, wheel_form, |d, by| {
-            d.wheel_waves[0] += by
-        }),
-        source("form of the wheel profile (sine)", "wheel_form_um", MICROMETRES, wheel_form, |d, by| {
-            d.wheel_waves[1] += by
-        }),
-        source("diameter of the wheel", "tape_diameter_mm", MILLIMETRES, of.tape_diameter, |d, by| {
-            d.radius += 0.5 * by
-        }),
-        to_first_order(rectangular(source("friction", "friction", NUMBER, friction, |d, by| {
-            d.friction += by
-        }))),
-        to_first_order(rectangular(source(
-            "Young's modulus of the rail",
-            "young_percent",
-            PER_CENT,
-            of.young,
-            |d, by| d.rail_young += by,
-        ))),
-        to_first_order(rectangular(source(
-            "Young's modulus of the wheel",
-            "young_percent",
-            PER_CENT,
-            of.young,
-            |d, by| d.wheel_young += by,
-        ))),
-        rectangular(source("Poisson's ratio", "poisson", NUMBER, of.poisson, |d, by| d.poisson += by)),
-    ];
-    all.into_iter().filter(|source| source.standard > 0.0).collect()
-}
 
 /// The uncertainty by the inputs of a study of its springs, as they are in its record; none where it asks for no bands. Inputs that the model cannot
 /// go along with leave a reason.
@@ -150,9 +54,9 @@ pub fn uncertainty(
         loads: &loads,
         preload: preloads[preloads.len() / 2],
     };
-    let sources = sources(statics);
+    let uncertain = UncertainInputs::of(statics);
     let without = |reason: String| InputUncertaintyRecord {
-        inputs: sources.iter().map(input_record).collect(),
+        inputs: uncertain.records(),
         samples: 0,
         failed: 0,
         points: Vec::new(),
@@ -168,28 +72,22 @@ pub fn uncertainty(
         Err(reason) => return Ok(Some(without(reason))),
     };
     let evaluate = |departures: &[f64], alone: bool| {
-        let mut departure =
-            Departure { wavelength: statics.uncertainty.form_wavelength, ..Departure::default() };
-        for (source, by) in sources.iter().zip(departures) {
-            (source.depart)(&mut departure, by * source.standard);
-        }
-        let answers = pair.answers(&departure, alone && found.horizontal.is_some())?;
+        let answers = pair.answers(&uncertain.departure(departures), alone && found.horizontal.is_some())?;
         let parts = [answers.displacement, answers.tangent, answers.area, answers.pressure];
         Ok(parts.into_iter().flatten().chain(answers.horizontal).collect())
     };
-    let inputs: Vec<Input> =
-        sources.iter().map(|s| Input { distribution: s.distribution, sampled: s.sampled }).collect();
+    let inputs = uncertain.inputs();
     let stage = ("uncertainty of the inputs", monitor);
     let propagated = match or_reason(propagate(&inputs, statics.uncertainty.samples, evaluate, stage))? {
         Ok(propagated) => propagated,
         Err(reason) => return Ok(Some(without(reason))),
     };
-    Ok(Some(record(&sources, &propagated, law, &numbers, springs)))
+    Ok(Some(record(uncertain.records(), &propagated, law, &numbers, springs)))
 }
 
-/// The record of what was propagated, at the loads of the `law` with some `numbers`.
+/// The record of what was propagated of some `inputs`, at the loads of the `law` with some `numbers`.
 fn record(
-    sources: &[Source],
+    mut inputs: Vec<UncertainInputRecord>,
     propagated: &Propagated,
     law: &NormalCalibration,
     numbers: &[usize],
@@ -199,7 +97,6 @@ fn record(
     let bands = springs.error_band.as_ref().and_then(|band| band.of(reference));
     let assumed = springs.assumed.as_ref().and_then(|assumed| assumed.of(reference));
     let scatters = bands.is_some_and(|band| band.points.iter().any(|p| p.scatter_displacement.is_some()));
-    let mut inputs: Vec<UncertainInputRecord> = sources.iter().map(input_record).collect();
     let by_effect = |name: &str, distribution: &str| UncertainInputRecord {
         name: name.into(),
         key: None,
@@ -259,20 +156,6 @@ fn record(
         horizontal,
         law: propagated.is_enough().then(|| law_record(propagated, law, numbers)).flatten(),
         missing: None,
-    }
-}
-
-fn input_record(source: &Source) -> UncertainInputRecord {
-    UncertainInputRecord {
-        name: source.name.into(),
-        key: Some(format!("uncertainty.{}", source.key)),
-        standard: Some(source.standard / source.in_si),
-        unit: source.unit.into(),
-        distribution: match source.distribution {
-            Distribution::Normal => "normal",
-            Distribution::Rectangular => "rectangular",
-        }
-        .into(),
     }
 }
 
