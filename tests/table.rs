@@ -102,6 +102,47 @@ fn a_row_is_the_calibration_of_its_study() {
     }
 }
 
+/// Source: `input_uncertainty` of a study of the same pair at that shift. Goal: a table that gives uncertainties has the half widths of displacement and stiffness of its rows, which are
+/// those of the study; a table without them has no such column; along the contact normal the cells are empty. Unit: 1. Accuracy: FAR, the compliance far from the contact
+/// is that of the largest load, which is 60 kN in the table and 85 kN in the study.
+#[test]
+fn a_row_has_the_uncertainty_of_its_study() {
+    const FAR: f64 = 0.02;
+    const LOADS: [f64; 2] = [20.0, 60.0];
+    let pair = TABLE.split("[[wheel]]").next().unwrap().replace("[0, 2]", "[2]");
+    let pair = format!("{pair}[[wheel]]\nprofile = \"S1002\"\n[[rail]]\nprofile = \"60E1\"\n");
+    let place = Place::new(&pair);
+    let column = |name: &str, load: f64| format!("{name}_rel_input_uncertainty_at_{load}kn");
+    place.table("table.toml", "plain", &[]);
+    assert!(place.rows("plain")[0].keys().all(|name| !name.contains("input_uncertainty")));
+
+    let base = std::fs::read_to_string(place.path("base.toml")).unwrap();
+    assert!(base.contains("error_band = false") && base.contains("full-integration"));
+    let base = base
+        .replace("error_band = false", "error_band = true")
+        .replace("full-integration", "incompatible-modes");
+    let base = format!("{base}\n[uncertainty]\nsamples = 0\nfriction = 0.05\n");
+    place.write("base.toml", &base);
+    place.write("one.toml", &format!("{base}[track]\nlateral_shift_mm = 2\n"));
+    let (code, said) = place.run(&["calibrate", "one.toml", "-o", "one"]);
+    assert_eq!(code, Some(0), "{said}");
+    let of_study = place.json("one/stiffness.json")["input_uncertainty"]["points"].clone();
+    place.table("table.toml", "out", &[]);
+    let rows = place.rows("out");
+    for load in LOADS {
+        let points = of_study.as_array().unwrap();
+        let at =
+            points.iter().find(|point| (point["force_kn"].as_f64().unwrap() - load).abs() < 1e-6).unwrap();
+        for (name, key) in [("displacement", "displacement"), ("stiffness", "tangent")] {
+            let (own, other) = (number(&rows[0], &column(name, load)), at[key]["input"].as_f64().unwrap());
+            assert!(other > 0.005 && (own / other - 1.0).abs() < FAR, "{name} at {load} kN: {own}, {other}");
+        }
+    }
+    place.write("normal.toml", &pair.replace("shifts_mm", "direction = \"normal\"\nshifts_mm"));
+    place.table("normal.toml", "normal", &[]);
+    assert_eq!(place.rows("normal")[0][&column("stiffness", 20.0)], "");
+}
+
 /// Goal: Hertz beside the solid, and the contact's own share of the lateral compliance, of a wheel and a rail that are nearly Hertz's
 /// bodies. Source: Hertz; for a sticking contact Mindlin, whose tangential compliance over the normal one of a circle is
 /// `(1 - ν/2)/(1 - ν)` = 1.214 for ν = 0.3. Accuracy: MODEL, patches of 6 mm elements on profiles of changing curvature, and an ellipse

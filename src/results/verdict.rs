@@ -5,6 +5,7 @@ pub mod validation_figure;
 pub mod record;
 pub mod input;
 pub mod tables;
+pub mod running_table;
 pub mod reasons;
 pub mod law_lines;
 pub mod requirements;

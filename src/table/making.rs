@@ -19,7 +19,8 @@ use crate::results::bodies::source::BodySource;
 use crate::results::bodies::{coarser, solids, zones};
 use crate::results::by_angle::make::{self, PlaceSettings};
 use crate::results::by_angle::record::ShiftRecord;
-use crate::study::Study;
+use crate::results::springs::uncertainty;
+use crate::study::{ResolvedKey, Study};
 
 /// Part of an artefact: the place.
 const PLACE: &str = "place.json";
@@ -36,6 +37,19 @@ pub struct PlaceRecord {
     /// the bodies conform.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub hertz_kn_per_m: Vec<f64>,
+    /// Uncertainty by the inputs at the loads of the columns; none where the table does not give `uncertainty`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub uncertainty: Option<PlaceUncertainty>,
+}
+
+/// Uncertainty of a place by the inputs of its case.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PlaceUncertainty {
+    /// Loads, kN, with half widths of the bands of 95 % of displacement and tangent, relative.
+    pub loads: Vec<(f64, [f64; 2])>,
+    /// Why there are none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub missing: Option<String>,
 }
 
 impl PlaceRecord {
@@ -64,6 +78,7 @@ impl PlaceRecord {
             },
             rolling_radius_mm: None,
             hertz_kn_per_m: Vec::new(),
+            uncertainty: None,
         }
     }
 }
@@ -88,8 +103,16 @@ impl<'a> Settings<'a> {
 
     /// Address of the place of a study at a shift towards the rail (mm).
     pub fn address(&self, study: &Study, towards: f64) -> Address {
-        Address::of(Kind::Place, &(study.statics(), self.direction, self.stiffness_at_kn, towards))
+        // the uncertainty of inputs is asked for where the table gives it
+        let statics = if is_uncertain(study) { study.statics() } else { study.statics().exact() };
+        Address::of(Kind::Place, &(statics, self.direction, self.stiffness_at_kn, towards))
     }
+}
+
+/// Whether a case gives the uncertainty of its inputs: it takes longer than the place itself, so that defaults alone do not ask for it.
+pub(super) fn is_uncertain(study: &Study) -> bool {
+    let given = |key: &ResolvedKey| key.section == "uncertainty" && key.given;
+    study.statics().wants_error_band() && study.resolved.iter().any(given)
 }
 
 /// A case that is being made.
@@ -246,12 +269,35 @@ impl CaseWork<'_> {
                 .touch
                 .map(|touch| geometry.pair.wheel.radius / MILLIMETRE + touch.wheel_z_mm),
             hertz_kn_per_m: hertz(study, geometry, bodies, shift, &fixed_loads),
+            uncertainty: is_uncertain(study).then(|| self.uncertainty(ready, shift, &at)).transpose()?,
             at,
         };
         let artefact = Artefact::default().with(PLACE, to_json(&record));
         let address = settings.address(study, shift_mm);
         store.keep(&address, "place of a table", settings.name, &artefact, &|text| self.said.notice(&text));
         Ok(record)
+    }
+
+    /// The uncertainty of a place by the inputs, at the fixed loads that it carries.
+    fn uncertainty(&self, ready: &Ready, shift: f64, at: &ShiftRecord) -> Result<PlaceUncertainty> {
+        let (statics, Ready { geometry, bodies, .. }) = (self.study.statics(), ready);
+        let without = |reason: &str| PlaceUncertainty { loads: Vec::new(), missing: Some(reason.into()) };
+        if self.settings.direction == DirectionKey::Normal {
+            return Ok(without("samples are pressed vertically"));
+        }
+        let loads_kn: Vec<f64> = at.loads.iter().map(|load| load.force_kn).collect();
+        if loads_kn.is_empty() {
+            return Ok(without("the place carries no load"));
+        }
+        let loads: Vec<f64> = loads_kn.iter().map(|load| load * KILONEWTON).collect();
+        let found = match geometry.pair.with_wheel_at(tape_y(statics, &geometry.pair, shift)) {
+            Ok(pair) => uncertainty::at_loads(statics, &pair, bodies, &loads, self.resources.monitor)?,
+            Err(reason) => Err(reason.to_string()),
+        };
+        Ok(match found {
+            Ok(bands) => PlaceUncertainty { loads: loads_kn.into_iter().zip(bands).collect(), missing: None },
+            Err(reason) => without(&reason),
+        })
     }
 
     fn source(&self, room: Room) -> BodySource<'_> {

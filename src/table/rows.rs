@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::cases::{Case, Table};
-use super::making::PlaceRecord;
+use super::making::{PlaceRecord, is_uncertain};
 use super::places::Place;
 use crate::engine::columns::{Cell, csv_of_texts};
 use crate::results::by_angle::record::AngleLawRecord;
@@ -95,6 +95,7 @@ impl Rows {
         let varied: BTreeSet<&str> =
             table.cases.iter().flat_map(|case| case.varied.keys().map(String::as_str)).collect();
         let varied: Vec<&str> = varied.into_iter().filter(|key| !WITH_A_COLUMN.contains(key)).collect();
+        let uncertain = table.cases.iter().any(|case| is_uncertain(&case.study));
         let row = |(place, record): &(Place, PlaceRecord), named: bool| {
             let mut row = Row { named, ..Row::default() };
             row.place(table, place, &varied);
@@ -102,6 +103,9 @@ impl Rows {
             row.law(law_in_use(&table.cases[place.case], record));
             for load in &table.document.stiffness_at_kn {
                 row.load(&table.cases[place.case], record, &table.document.stiffness_at_kn, *load);
+                if uncertain {
+                    row.uncertainty(record, *load);
+                }
             }
             row.status(&table.cases[place.case], record);
             row
@@ -219,6 +223,16 @@ impl Row {
         put("semi_axis_along_mm", at.map(|at| at.semi_axis_along_mm));
         put("semi_axis_across_mm", at.map(|at| at.semi_axis_across_mm));
         put("max_pressure_mpa", at.map(|at| at.max_pressure_mpa));
+    }
+
+    fn uncertainty(&mut self, record: &PlaceRecord, load_kn: f64) {
+        let mut at = record.uncertainty.iter().flat_map(|of| &of.loads);
+        let bands = at.find(|(force_kn, _)| near(*force_kn, load_kn)).map(|(_, bands)| *bands);
+        let names = ["displacement", "stiffness"];
+        for (part, name) in names.into_iter().enumerate() {
+            let column = format!("{name}_rel_input_uncertainty_at_{load_kn}kn");
+            self.put(column, bands.map(|bands| bands[part]));
+        }
     }
 
     fn status(&mut self, case: &Case, record: &PlaceRecord) {

@@ -18,6 +18,7 @@ use crate::results::patches::{self, section_figure};
 use crate::results::run::figures::ScenarioRun;
 use crate::results::run::{figures as figures_of_run, positions_figure};
 use crate::results::springs::{figures, forms_figure, uncertainty_figure};
+use crate::results::verdict::running_table::running;
 use crate::results::verdict::tables;
 
 /// The page and its figures.
@@ -193,6 +194,7 @@ fn scenario(run: &ScenarioRun<'_>, data: &ReportData<'_>, collected: &mut Collec
         "endings": tables::endings(run),
         "separations": tables::separations(run),
         "modes": tables::modes(run),
+        "running": judged.and_then(running),
     })
 }
 

@@ -3,7 +3,7 @@
 use nalgebra::Matrix3;
 use railspring_calibrate::calibration::{ContactField, NormalCalibration, Reference};
 use railspring_calibrate::law::fit_law;
-use railspring_calibrate::pair::{CondensedPair, spread};
+use railspring_calibrate::pair::{CondensedPair, Pair, spread};
 use railspring_calibrate::uncertainty::{Asked, Band, Propagated, UncertainPair, propagate};
 use railspring_profiles::error::{Result, or_reason};
 use railspring_profiles::monitor::Monitor;
@@ -25,6 +25,9 @@ const LOADS: usize = 4;
 /// Half widths of the normal band of 95 %, in standard uncertainties, where there are no samples.
 const TWICE: f64 = 2.0;
 
+/// Why a contact between the elements of the meshes has no uncertainty by its inputs.
+const BETWEEN_ELEMENTS: &str = "a contact between elements goes from node to node";
+
 /// The uncertainty by the inputs of a study of its springs, as they are in its record; none where it asks for no bands. Inputs that the model cannot
 /// go along with leave a reason.
 ///
@@ -42,18 +45,10 @@ pub fn uncertainty(
         return Ok(None);
     }
     let reference = Reference::from(statics.calibration.reference);
-    let contact = contact_conditions(statics);
     let law = found.laws.get(reference).expect("the law in use is made");
     let numbers = spread(law.points.len(), LOADS);
     let loads: Vec<f64> = numbers.iter().map(|&number| law.points[number].force).collect();
-    let preloads = &statics.calibration.horizontal_preloads;
-    let asked = Asked {
-        track: track(statics, (-geometry.pair.placed.angle).tan()),
-        contact,
-        reference,
-        loads: &loads,
-        preload: preloads[preloads.len() / 2],
-    };
+    let asked = asked(statics, &geometry.pair, &loads);
     let uncertain = UncertainInputs::of(statics);
     let without = |reason: String| InputUncertaintyRecord {
         inputs: uncertain.records(),
@@ -64,8 +59,8 @@ pub fn uncertainty(
         law: None,
         missing: Some(reason),
     };
-    if contact.field == ContactField::Elements {
-        return Ok(Some(without("a contact between elements goes from node to node".into())));
+    if asked.contact.field == ContactField::Elements {
+        return Ok(Some(without(BETWEEN_ELEMENTS.into())));
     }
     let pair = match or_reason(UncertainPair::new(&geometry.pair, bodies, asked))? {
         Ok(pair) => pair,
@@ -83,6 +78,54 @@ pub fn uncertainty(
         Err(reason) => return Ok(Some(without(reason))),
     };
     Ok(Some(record(uncertain.records(), &propagated, law, &numbers, springs)))
+}
+
+/// Half widths of the bands of 95 % by the inputs of a study, relative, of displacement and tangent stiffness of a `pair` pressed vertically under `loads` (N, ascending) on `bodies` of its
+/// study; or why there are none.
+///
+/// # Errors
+/// An interruption.
+pub fn at_loads(
+    statics: Statics<'_>,
+    pair: &Pair,
+    bodies: &CondensedPair,
+    loads: &[f64],
+    monitor: &dyn Monitor,
+) -> Result<std::result::Result<Vec<[f64; 2]>, String>> {
+    let asked = asked(statics, pair, loads);
+    if asked.contact.field == ContactField::Elements {
+        return Ok(Err(BETWEEN_ELEMENTS.into()));
+    }
+    let uncertain = UncertainInputs::of(statics);
+    let inputs = uncertain.inputs();
+    let propagated = || {
+        let pair = UncertainPair::new(pair, bodies, asked)?;
+        let evaluate = |departures: &[f64], _: bool| {
+            let answers = pair.answers(&uncertain.departure(departures), false)?;
+            Ok([answers.displacement, answers.tangent].concat())
+        };
+        propagate(&inputs, statics.uncertainty.samples, evaluate, ("uncertainty of the inputs", monitor))
+    };
+    let half = |propagated: &Propagated, answer: usize| half_width(&propagated.band(answer));
+    Ok(or_reason(propagated())?
+        .map(|found| (0..loads.len()).map(|at| [half(&found, at), half(&found, loads.len() + at)]).collect()))
+}
+
+/// Half width of a band of 95 %: half the way between its percentiles, or twice its standard uncertainty.
+fn half_width(band: &Band) -> f64 {
+    band.percentiles.map_or(TWICE * band.linear, |[low, high]| 0.5 * (high - low))
+}
+
+/// How a pair of a study is asked under some loads.
+fn asked<'a>(statics: Statics<'_>, pair: &Pair, loads: &'a [f64]) -> Asked<'a> {
+    let preloads = &statics.calibration.horizontal_preloads;
+    Asked {
+        track: track(statics, (-pair.placed.angle).tan()),
+        contact: contact_conditions(statics),
+        reference: Reference::from(statics.calibration.reference),
+        loads,
+        preload: preloads[preloads.len() / 2],
+    }
 }
 
 /// The record of what was propagated of some `inputs`, at the loads of the `law` with some `numbers`.
@@ -166,11 +209,12 @@ fn value_record(
     extra: Vec<f64>,
     numerical: Option<f64>,
 ) -> UncertainRecord {
-    let Band { linear, sampled, percentiles, shares } = propagated.band(answer);
+    let band = propagated.band(answer);
+    let half = half_width(&band);
+    let Band { linear, sampled, percentiles, shares } = band;
     let beside: f64 = extra.iter().map(|change| change * change).sum();
     let of_inputs = sampled.unwrap_or(linear).powi(2);
     let whole = (of_inputs + beside).max(f64::MIN_POSITIVE);
-    let half = percentiles.map_or(TWICE * linear, |[low, high]| 0.5 * (high - low));
     let input = (half * half + TWICE * TWICE * beside).sqrt();
     UncertainRecord {
         changes: propagated.linear.iter().map(|of| of[answer]).chain(extra.iter().copied()).collect(),
