@@ -1,5 +1,6 @@
 //! The verdict on the simple model and on the springs.
 
+pub mod input_bands;
 pub mod record;
 pub mod input;
 pub mod tables;
