@@ -47,6 +47,7 @@ mod streams;
 mod table;
 mod tables;
 mod transfer;
+mod uncertain_load_cases;
 mod user_meshes;
 mod user_sections;
 mod validation;

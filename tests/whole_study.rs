@@ -40,7 +40,7 @@ lateral_force = {}
 "#;
 
 /// Names of the files that one study writes, in order.
-const FILES: [&str; 37] = [
+const FILES: [&str; 39] = [
     "contact.pvd",
     "contact.vtu",
     "contact_patches.json",
@@ -64,6 +64,8 @@ const FILES: [&str; 37] = [
     "history_published.csv",
     "history_published_disturbed-ride.csv",
     "history_published_disturbed.csv",
+    "history_uncertain-ride.csv",
+    "history_uncertain.csv",
     "inputs.json",
     "load_curve.csv",
     "rail.pvd",

@@ -346,7 +346,7 @@ impl Verdict {
     fn of(record: &VerificationRecord) -> Self {
         let lines: Vec<_> = record.lines().map(About::of).collect();
         let [hold, hold_by_solid, fail] = record.counts(record.decides);
-        let note = |(subject, note): (&str, &str)| VerdictNote { subject: subject.into(), note: note.into() };
+        let note = |(subject, note): (&str, String)| VerdictNote { subject: subject.into(), note };
         Self {
             holds: record.holds,
             limits: lines.len(),

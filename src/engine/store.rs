@@ -44,6 +44,8 @@ pub enum Kind {
     ByAngle,
     /// A run of the simple model.
     SimpleRun,
+    /// What uncertain inputs make of one.
+    UncertainRun,
     /// A run of the solid model.
     SolidRun,
     /// What reference solvers say of a study.
@@ -61,11 +63,12 @@ pub enum Kind {
 }
 
 impl Kind {
-    const ALL: [Self; 11] = [
+    const ALL: [Self; 12] = [
         Self::Body,
         Self::Calibration,
         Self::ByAngle,
         Self::SimpleRun,
+        Self::UncertainRun,
         Self::SolidRun,
         Self::Crosscheck,
         Self::Place,
@@ -82,6 +85,7 @@ impl Kind {
             Self::Calibration => "calibration",
             Self::ByAngle => "stiffness-by-angle",
             Self::SimpleRun => "simple-run",
+            Self::UncertainRun => "uncertain-run",
             Self::SolidRun => "solid-run",
             Self::Crosscheck => "crosscheck",
             Self::Place => "place",

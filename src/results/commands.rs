@@ -33,11 +33,12 @@ use crate::results::inputs::{INPUTS, InputsRecord};
 use crate::results::names::STIFFNESS;
 use crate::results::page::input::PageInput;
 use crate::results::page::stage::{Report, crosscheck_alone, write_report};
-use crate::results::run::input::{SimpleRunInput, SpringsInput};
-use crate::results::run::record::{RunRecord, SpringsRecord};
+use crate::results::run::input::{SimpleRunInput, SpringsInput, UncertainInput};
+use crate::results::run::record::{RunRecord, SpringsRecord, SpringsSource};
 use crate::results::run::solid_stage::{Begun, SimulateSolid, SolidRuns};
 use crate::results::run::springs;
 use crate::results::run::stage::{Other, Run, Runs, Simulate, other_elements};
+use crate::results::run::uncertain_stage::{Uncertain, uncertain_run};
 use crate::results::springs::make::{self, Calibration};
 use crate::results::springs::record::StiffnessRecord;
 use crate::results::springs::stage::{Calibrate, FoundOn, calibrates, found_springs};
@@ -51,7 +52,7 @@ use crate::study::{LawKey, StudyScenario};
 use crate::version;
 
 /// The calibration, the laws by contact angle if the study wants them, and each load case on the simple model.
-type WithoutSolids = (Calibration, Option<StiffnessByAngleRecord>, Vec<(Run, Vec<Other>)>);
+type WithoutSolids = (Calibration, Option<StiffnessByAngleRecord>, Vec<(Run, Vec<Other>, Uncertain)>);
 
 /// What a command has found of a study: as much as it had to look at.
 #[derive(Debug, Clone, Default)]
@@ -97,9 +98,9 @@ impl<'a> StudyRun<'a> {
         });
         let (calibration, by_angle, simple) = done?;
         let mut runs = Vec::new();
-        for ((name, scenario), (simple, others)) in self.study.scenarios.iter().zip(simple) {
+        for ((name, scenario), (simple, others, uncertain)) in self.study.scenarios.iter().zip(simple) {
             let solid = scenario.solid.then(|| self.solid_run(name, scenario, Some(&begun))).transpose()?;
-            runs.push((name.clone(), Runs { simple, others, solid }));
+            runs.push((name.clone(), Runs { simple, others, uncertain, solid }));
         }
         let verdict = self.engine.get(&mut Verify {
             input: VerdictInput::of(self.study),
@@ -147,7 +148,9 @@ impl<'a> StudyRun<'a> {
             for (name, scenario) in &self.study.scenarios {
                 let run = self.simple_run(name, scenario, &springs)?;
                 let others = self.other_elements(name, scenario, &springs, by_angle.as_ref())?;
-                simple.push((run, others));
+                let own = Some(&calibration.stiffness);
+                let uncertain = self.uncertain_run(name, scenario, (&springs, own), &run)?;
+                simple.push((run, others, uncertain));
             }
         }
         Ok((calibration, by_angle, simple))
@@ -252,10 +255,15 @@ impl<'a> StudyRun<'a> {
                 None => self.stored_springs()?,
             },
         };
+        // a copy of the study's own law may lie where its calibration does not
+        let calibrated = springs.source == SpringsSource::Calibrated && !self.study.scenarios.is_empty();
+        let calibration = if calibrated { self.stored_stiffness().ok() } else { None };
         let mut runs = Vec::new();
         for (name, scenario) in &self.study.scenarios {
             let run = self.simple_run(name, scenario, &springs)?;
             self.other_elements(name, scenario, &springs, laws.as_ref())?;
+            // why there are none is said by the verdict
+            let _ = self.uncertain_run(name, scenario, (&springs, calibration.as_ref()), &run)?;
             runs.push((name.clone(), run.record));
         }
         self.note_inputs()?;
@@ -285,6 +293,7 @@ impl<'a> StudyRun<'a> {
         let mut runs = Vec::new();
         for ((name, scenario), (simple, (springs, laws))) in self.study.scenarios.iter().zip(simple) {
             let others = self.other_elements(name, scenario, &springs, laws.as_ref())?;
+            let uncertain = self.uncertain_run(name, scenario, (&springs, stiffness.as_ref()), &simple)?;
             let solid = match scenario.solid {
                 false => None,
                 true => Some(match self.stored_solid_run(name, scenario) {
@@ -292,7 +301,7 @@ impl<'a> StudyRun<'a> {
                     _ => self.solid_run(name, scenario, None)?,
                 }),
             };
-            runs.push((name.clone(), Runs { simple, others, solid }));
+            runs.push((name.clone(), Runs { simple, others, uncertain, solid }));
         }
         let by_angle = if stiffness.is_some() { self.stored_by_angle()? } else { None };
         let verdict = self.engine.get(&mut Verify {
@@ -329,6 +338,18 @@ impl<'a> StudyRun<'a> {
     ) -> Result<Vec<Other>> {
         let input = SimpleRunInput::of(self.study, scenario);
         other_elements(&mut self.engine, &mut self.solids, (input, name, scenario), springs, laws)
+    }
+
+    fn uncertain_run(
+        &mut self,
+        name: &str,
+        scenario: &StudyScenario,
+        (springs, stiffness): (&SpringsRecord, Option<&StiffnessRecord>),
+        nominal: &Run,
+    ) -> Result<Uncertain> {
+        let case = SimpleRunInput::of(self.study, scenario);
+        let input = UncertainInput::of(case, springs, stiffness, (self.study.statics(), &self.study.limits));
+        uncertain_run(&mut self.engine, &mut self.solids, input, name, nominal)
     }
 
     fn solid_run(&mut self, name: &str, scenario: &StudyScenario, begun: Option<&Begun<'a>>) -> Result<Run> {

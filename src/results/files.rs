@@ -14,7 +14,7 @@ use crate::results::names::{
     STIFFNESS, VERIFICATION,
 };
 use crate::results::patches::record::PatchesRecord;
-use crate::results::run::history_csv;
+use crate::results::run::{history_csv, uncertain_record};
 use crate::results::springs::record::{LoadCurveRow, StiffnessRecord};
 use crate::results::verdict::record::VerificationRecord;
 
@@ -56,7 +56,7 @@ impl ResultFile {
 }
 
 /// All files, in the order in which they are of use.
-pub const RESULT_FILES: [ResultFile; 30] = [
+pub const RESULT_FILES: [ResultFile; 31] = [
     file(REPORT, "run, fit, report", "the whole result on one page: what may be used, springs, verdict, figures, inputs"),
     file(REPORT_PDF, "run, fit, report with --pdf", "the same page on A4"),
     file("study.toml", "fit", "the study of the pair, to go on from"),
@@ -75,6 +75,8 @@ pub const RESULT_FILES: [ResultFile; 30] = [
     file("history_published*.csv", "run, simulate", "the same with the published contact element beside the study's one, and disturbed"),
     file("history_condensed*.csv", "run, simulate", "the same with the condensed contact element beside the study's one, and disturbed"),
     file("history_lumped*.csv", "run, simulate", "the same with the lumped contact element beside the study's one, and disturbed"),
+    file("history_uncertain*.csv", "run, simulate, verify", "what uncertain inputs change in a load case on the simple model, a row for each time step: quantiles of P, Q and averaged Q/P over the samples")
+        .with(uncertain_record::row_schema),
     file("solid_history*.csv", "run, verify", "load cases on the solid model, and disturbed"),
     file(VERIFICATION, "run, fit, verify", "the verdict: differences of the two models with their limits, and what each model is worth itself")
         .with(of::<VerificationRecord>),

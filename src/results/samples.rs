@@ -15,11 +15,13 @@ mod springs;
 mod patches;
 mod crosscheck;
 mod measured;
+mod uncertain;
 
 pub(crate) use crate::results::samples::crosscheck::{crosscheck, crosscheck_in_time, sections};
 pub(crate) use crate::results::samples::measured::{bodies, surface};
 pub(crate) use crate::results::samples::patches::patches;
 pub(crate) use crate::results::samples::springs::{by_angle, load_curve, lumped, stiffness};
+pub(crate) use crate::results::samples::uncertain::uncertain_run;
 
 /// A run with sliding, a flange contact from 0.01 s on and one separation.
 pub(crate) fn history(shift: f64) -> History {

@@ -10,13 +10,16 @@ use crate::results::by_angle::input::ByAngleInput;
 use crate::results::by_angle::record::{BY_ANGLE, StiffnessByAngleRecord};
 use crate::results::names::{LOAD_CURVE, PATCHES, STIFFNESS, VERIFICATION};
 use crate::results::patches::record::PatchesRecord;
-use crate::results::run::input::{SimpleRunInput, SpringsInput};
+use crate::results::run::input::{SimpleRunInput, SpringsInput, UncertainInput};
 use crate::results::run::record::{RUN_NOTE, RunRecord, SpringsRecord, SpringsSource};
 use crate::results::run::stage::{Other, Run, Runs, SIMPLE, SOLID, history_files, of_element};
+use crate::results::run::uncertain_record::{self, UNCERTAIN_NOTE, UncertainRun};
+use crate::results::run::uncertain_stage::{self, Uncertain};
 use crate::results::run::{history_csv, springs};
 use crate::results::springs::make::Calibration;
 use crate::results::springs::record::{LoadCurveRow, StiffnessRecord};
 use crate::results::springs::stage::load_curve;
+use crate::results::springs::uncertain_inputs::UncertainInputs;
 use crate::results::study_run::StudyRun;
 use crate::results::verdict::input::VerdictInput;
 use crate::results::verdict::record::VerificationRecord;
@@ -162,6 +165,39 @@ impl StudyRun<'_> {
         Ok(Other { element, run: Ok(self.stored_run(&files, scenario, address.key(), "simulate")?) })
     }
 
+    /// The samples of uncertain inputs of a load case, or why the verdict has none.
+    fn stored_uncertain(
+        &self,
+        name: &str,
+        scenario: &StudyScenario,
+        (springs, stiffness): (&SpringsRecord, Option<&StiffnessRecord>),
+        verdict: &VerificationRecord,
+    ) -> Result<Uncertain> {
+        let statics = self.study.statics();
+        if let Some(reason) = UncertainInputs::without_samples(statics) {
+            return Ok(Err(reason.into()));
+        }
+        let judged = verdict.scenarios.iter().find(|judged| judged.scenario == name);
+        if let Some(reason) = judged.and_then(|judged| judged.input_uncertainty_missing.clone()) {
+            return Ok(Err(reason));
+        }
+        let file = uncertain_stage::file(self.solids.input.main_case, name);
+        let text = self.engine.results.text(&file, "simulate")?;
+        let rows = uncertain_record::read(&self.engine.folder.file(&file).display().to_string(), &text)?;
+        let case = SimpleRunInput::of(self.study, scenario);
+        let input = UncertainInput::of(case, springs, stiffness, (statics, &self.study.limits));
+        let entry = self.engine.results.check(&file, &text, input.address().key(), "simulate")?;
+        let record = entry.note(UNCERTAIN_NOTE).ok_or_else(|| {
+            InputError::new(
+                self.engine.folder.file(&file).display().to_string(),
+                "no samples in results.json",
+                "what is known of the samples",
+                "make it again with `railspring simulate`",
+            )
+        })?;
+        Ok(Ok(UncertainRun { rows, record }))
+    }
+
     /// A run of the solid model.
     pub(crate) fn stored_solid_run(&mut self, name: &str, scenario: &StudyScenario) -> Result<Run> {
         let files = history_files(self.solids.input.main_case, name, SOLID);
@@ -258,8 +294,10 @@ impl StudyRun<'_> {
         for (name, scenario, springs, simple, solid) in found {
             let Some(verdict) = &verdict else { break };
             let others = self.stored_others(name, scenario, &springs, verdict);
-            if let Some(others) = faults.note("simulate", others) {
-                runs.push((name.clone(), Runs { simple, others, solid }));
+            let uncertain = self.stored_uncertain(name, scenario, (&springs.0, stiffness.as_ref()), verdict);
+            let both = (faults.note("simulate", others), faults.note("simulate", uncertain));
+            if let (Some(others), Some(uncertain)) = both {
+                runs.push((name.clone(), Runs { simple, others, uncertain, solid }));
             }
         }
         match (stiffness, load_curve, patches, by_angle, verdict) {

@@ -2,6 +2,7 @@
 
 pub mod validation;
 pub mod validation_figure;
+pub mod input_bands;
 pub mod record;
 pub mod input;
 pub mod tables;

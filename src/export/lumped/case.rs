@@ -67,7 +67,7 @@ impl<'a> LumpedCase<'a> {
         let elements = study.simulation.rail_elements.next_multiple_of(2);
         let beam = geometry.pair.beam(&study.rail.material, study.rail.length, elements)?;
         let correction = record.beam.factors.into();
-        let model = model_of_solids(&input, geometry, &beam, &correction, (&pair.element).into())?;
+        let model = model_of_solids(&input, &geometry.pair, &beam, &correction, (&pair.element).into())?;
         let beam = beam.corrected(&correction)?;
         let place = case.scenario.start_x.unwrap_or(0.5 * beam.length());
         Ok(Self {

@@ -154,7 +154,7 @@ fn scenario(run: &ScenarioRun<'_>, data: &ReportData<'_>, collected: &mut Collec
             number::number(1e3 * time)
         )
     });
-    let band = figures_of_run::band_caption(run);
+    let band = figures_of_run::band_caption(run) + &figures_of_run::inputs_caption(run);
     let mut figures = Vec::new();
     let mut add = |kind: &str, svg: String, caption: String| {
         figures.push(collected.add(&format!("{kind}-{}", run.name), svg, caption));
@@ -190,6 +190,7 @@ fn scenario(run: &ScenarioRun<'_>, data: &ReportData<'_>, collected: &mut Collec
         "models": run.elements.iter().chain(&run.solid).map(|of| of.name).collect::<Vec<_>>(),
         "elements": judged.map(tables::elements),
         "missing": judged.map(tables::missing_elements),
+        "inputs": judged.map(tables::inputs),
         "figures": figures,
         "endings": tables::endings(run),
         "separations": tables::separations(run),

@@ -85,6 +85,7 @@ impl<'s> Stage for Report<'s, '_> {
                     elements: [own].into_iter().chain(runs.others.iter().filter_map(other)).collect(),
                     solid: runs.solid.as_ref().map(|run| drawn("solid", run)),
                     band: runs.solid.as_ref().and_then(|run| Band::around(&run.model(), limits)),
+                    uncertain: runs.uncertain.as_ref().ok(),
                 }
             })
             .collect();

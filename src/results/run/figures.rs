@@ -9,9 +9,10 @@ use crate::report::legend::{Entry, draw_legend, legend_height};
 use crate::report::number::{WIDTH, round};
 use crate::report::panel::{Panel, stacked};
 use crate::report::plot::{
-    BLUE, DARK, Dash, Drawn, GREY, ORANGE, PALE_BLUE, RED, Series, frame, label, nice_step, px, stroke, svg,
-    tick,
+    BLUE, DARK, Dash, Drawn, GREY, LIGHT, ORANGE, PALE_BLUE, RED, Series, frame, label, nice_step, px,
+    stroke, svg, tick,
 };
+use crate::results::run::uncertain_record::{Quantiles, UncertainRow, UncertainRun, band as band_of};
 use crate::verify::{Band, Carrying, FLANGE_SIDE, averaged_ratio};
 
 /// A run of a model, as figures show it.
@@ -40,25 +41,31 @@ pub struct ScenarioRun<'a> {
     pub solid: Option<ModelRun<'a>>,
     /// What the solid's run is worth at each of its times, if that is known.
     pub band: Option<Band>,
+    /// The simple model with inputs that are not known exactly, if it ran.
+    pub uncertain: Option<&'a UncertainRun>,
 }
 
 /// P and Q of all models over time.
 pub fn forces(run: &ScenarioRun<'_>) -> String {
-    let panel = |symbol: &str, name: &str, which: usize, value: fn(&HistoryRow) -> f64| {
+    let panel = |symbol: &str,
+                 name: &str,
+                 which: usize,
+                 value: fn(&HistoryRow) -> f64,
+                 inputs: fn(&UncertainRow) -> Quantiles| {
         let points = |of: &ModelRun<'_>| -> Vec<(f64, f64)> {
             of.history.rows.iter().map(|row| (row.time, value(row) / KILONEWTON)).collect()
         };
         let width = |band: &Band| -> Vec<Option<f64>> {
             band.forces[which].iter().map(|width| width.map(|width| width / KILONEWTON)).collect()
         };
-        Panel::from_zero("time, s", &format!("{name} {symbol}, kN"), curves(run, points, width))
+        Panel::from_zero("time, s", &format!("{name} {symbol}, kN"), curves(run, points, width, inputs))
     };
     stacked(
         WIDTH,
         300,
         &[
-            panel("P", "vertical force", 0, |row| row.vertical_force),
-            panel("Q", "lateral force", 1, |row| row.lateral_force),
+            panel("P", "vertical force", 0, |row| row.vertical_force, |row| row.p),
+            panel("Q", "lateral force", 1, |row| row.lateral_force, |row| row.q),
         ],
     )
 }
@@ -76,7 +83,7 @@ pub fn ratio(run: &ScenarioRun<'_>, window: f64) -> String {
         &[Panel::from_zero(
             "time, s",
             &format!("Q/P averaged over {} ms", round(window * 1e3)),
-            curves(run, points, |band| band.ratio.clone()),
+            curves(run, points, |band| band.ratio.clone(), |row| row.ratio),
         )],
     )
 }
@@ -91,6 +98,7 @@ pub fn wheel(run: &ScenarioRun<'_>) -> String {
                 run,
                 |of| of.history.rows.iter().map(|row| (row.time, value(row) / MILLIMETRE)).collect(),
                 |_| Vec::new(),
+                |_| None,
             ),
         )
     };
@@ -124,12 +132,28 @@ pub fn band_caption(run: &ScenarioRun<'_>) -> String {
     format!(" Band: what the solid is worth itself, {squares}{}.", parts.join(" and "))
 }
 
-/// Curves of all models over the band around the solid, whose half widths are those at the solid's points.
+/// What the figures show of the band by the inputs, as a sentence; empty without one.
+pub fn inputs_caption(run: &ScenarioRun<'_>) -> String {
+    run.uncertain.map_or_else(String::new, |of| {
+        format!(
+            " Light band: between 2.5 and 97.5 % at each instant of {}, whose inputs depart by their uncertainties.",
+            of.record.counts()
+        )
+    })
+}
+
+/// Curves of all models over the band by the `inputs` and that around the solid, whose half widths are those at the solid's points.
 fn curves(
     run: &ScenarioRun<'_>,
     points: impl Fn(&ModelRun<'_>) -> Vec<(f64, f64)>,
     width: impl Fn(&Band) -> Vec<Option<f64>>,
+    inputs: fn(&UncertainRow) -> Quantiles,
 ) -> Vec<Series> {
+    let ends = |row: &UncertainRow| (row.time, inputs(row).map_or([f64::NAN; 2], band_of));
+    let by_inputs = run.uncertain.into_iter().flat_map(|of| {
+        let ends: Vec<(f64, [f64; 2])> = of.rows.iter().map(ends).collect();
+        Series::band("95 % by the inputs", &ends, LIGHT)
+    });
     let solid = run.solid.as_ref().map(&points);
     let band = solid.iter().zip(&run.band).flat_map(|(solid, band)| {
         let around = |((x, y), width): (&(f64, f64), Option<f64>)| {
@@ -139,7 +163,7 @@ fn curves(
         let ends: Vec<(f64, [f64; 2])> = solid.iter().zip(width(band)).map(around).collect();
         Series::band("what the solid is worth", &ends, PALE_BLUE)
     });
-    let mut series: Vec<Series> = band.collect();
+    let mut series: Vec<Series> = by_inputs.chain(band).collect();
     // thin, so that the band is seen beside it
     let line =
         |points: &Vec<(f64, f64)>| Series::line("solid model", points.clone(), DARK, Dash::Solid).thin();

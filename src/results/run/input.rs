@@ -7,10 +7,14 @@ use serde::Serialize;
 
 use crate::engine::store::{Address, Kind};
 use crate::results::bodies::input::calibration_address;
-use crate::results::run::record::SpringsRecord;
+use crate::results::run::record::{SpringsRecord, SpringsSource};
+use crate::results::springs::record::StiffnessRecord;
+use crate::results::springs::uncertainty_record::InputUncertaintyRecord;
 use crate::study::{
-    ContactElementKey, OutputKeys, Rail, SimulationSettings, Statics, Study, StudyScenario, Track, Wheel,
+    ContactElementKey, OutputKeys, Rail, SimulationSettings, Statics, Study, StudyScenario, Track,
+    UncertaintySettings, Wheel,
 };
+use crate::verify::Limits;
 
 /// What decides which springs the simple model has.
 #[derive(Debug, Clone, Copy)]
@@ -83,5 +87,57 @@ impl<'a> SimpleRunInput<'a> {
     /// The same in a contact element that the study has not chosen: a failure is kept there, too, and that of the chosen element never.
     pub fn other_address(&self, springs: &SpringsRecord) -> Address {
         Address::of(Kind::SimpleRun, &("other element", self, springs))
+    }
+}
+
+/// What the samples of uncertain inputs of such a load case are made from.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct UncertainInput<'a> {
+    /// The load case.
+    pub run: SimpleRunInput<'a>,
+    /// Its springs.
+    pub springs: &'a SpringsRecord,
+    /// What the inputs change of these springs; none of springs that are not the study's own.
+    pub of_springs: Option<&'a InputUncertaintyRecord>,
+    /// Standard uncertainties of the inputs.
+    pub uncertainty: &'a UncertaintySettings,
+    /// Friction of the calibration, which that of the load case departs with.
+    pub friction: f64,
+    /// Time over which Q and P are averaged, s.
+    pub window: f64,
+    /// How far an averaged Q/P may be off.
+    pub ratio_max: f64,
+    /// Shortest separation that counts, s.
+    pub shortest: f64,
+    /// The statics of the pair, of which the inputs are.
+    #[serde(skip)]
+    pub statics: Statics<'a>,
+}
+
+impl<'a> UncertainInput<'a> {
+    /// That of a load case of a study whose runs are judged by `limits`, with some springs; `stiffness` is what it has calibrated.
+    pub fn of(
+        run: SimpleRunInput<'a>,
+        springs: &'a SpringsRecord,
+        stiffness: Option<&'a StiffnessRecord>,
+        (statics, limits): (Statics<'a>, &Limits),
+    ) -> Self {
+        let own = stiffness.filter(|_| springs.source == SpringsSource::Calibrated);
+        Self {
+            run,
+            springs,
+            of_springs: own.and_then(|stiffness| stiffness.input_uncertainty.as_ref()),
+            uncertainty: statics.uncertainty,
+            friction: statics.contact.friction,
+            window: limits.ratio_window_s,
+            ratio_max: limits.ratio_max,
+            shortest: limits.separation_shortest_s,
+            statics,
+        }
+    }
+
+    /// Address of the samples.
+    pub fn address(&self) -> Address {
+        Address::of(Kind::UncertainRun, self)
     }
 }

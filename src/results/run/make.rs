@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use railspring_calibrate::beam::{BeamCorrection, RailBeam};
 use railspring_calibrate::law::NormalLaw;
+use railspring_calibrate::pair::Pair;
 use railspring_element::pair_element::PairElement;
 use railspring_profiles::error::{Error, Result, StopReason, or_reason};
 use railspring_profiles::monitor::Monitor;
@@ -47,32 +48,30 @@ impl Springs {
 }
 
 /// The simple model with one of its contact elements.
-enum SimpleModel {
+pub(crate) enum SimpleModel {
     Published(Box<MovingModel>),
     OfSolids(ContactElementKey, Box<CondensedModel>),
 }
 
 impl SimpleModel {
-    /// The model on a rail `beam`, which is corrected to the solid rail.
-    fn new(
-        input: &SimpleRunInput<'_>,
-        geometry: &Geometry,
-        beam: &RailBeam,
-        springs: &Springs,
-    ) -> Result<Self> {
+    /// The model of a pair on a rail `beam`, which is corrected to the solid rail.
+    ///
+    /// # Errors
+    /// Those of the beam.
+    pub fn new(input: &SimpleRunInput<'_>, pair: &Pair, beam: &RailBeam, springs: &Springs) -> Result<Self> {
         if let Some((key, element)) = &springs.element {
-            let model = model_of_solids(input, geometry, beam, &springs.beam, element.clone())?;
+            let model = model_of_solids(input, pair, beam, &springs.beam, element.clone())?;
             return Ok(Self::OfSolids(*key, Box::new(model)));
         }
         let damped = [&input.rail.material, &input.wheel.material].map(|own| own.damped(input.damping));
-        let (pair, materials) = (&geometry.pair, damped.each_ref());
         let beam = beam.corrected(&springs.beam)?;
         let wheel_springs = WheelSprings {
             horizontal: springs.horizontal,
             normal: springs.normal.clone(),
             longitudinal: springs.horizontal,
         };
-        let mut model = MovingModel::of_pair(pair, beam, materials, wheel_springs, springs.wheel_mass);
+        let mut model =
+            MovingModel::of_pair(pair, beam, damped.each_ref(), wheel_springs, springs.wheel_mass);
         model.penalty = input.simulation.contact_penalty;
         model.node_spacing = input.simulation.rail_node_spacing;
         model.sliding = match input.simulation.sliding_matrix {
@@ -82,7 +81,8 @@ impl SimpleModel {
         Ok(Self::Published(Box::new(model)))
     }
 
-    fn element(&self) -> ContactElementKey {
+    /// Its contact element.
+    pub fn element(&self) -> ContactElementKey {
         match self {
             Self::Published(_) => ContactElementKey::Published,
             Self::OfSolids(key, _) => *key,
@@ -98,7 +98,11 @@ impl SimpleModel {
         }
     }
 
-    fn run(&self, scenario: &Scenario, monitor: &dyn Monitor) -> Result<History> {
+    /// A load case on it.
+    ///
+    /// # Errors
+    /// Iterations that do not converge.
+    pub fn run(&self, scenario: &Scenario, monitor: &dyn Monitor) -> Result<History> {
         let run = match self {
             Self::Published(model) => model.run(scenario, monitor)?,
             Self::OfSolids(_, model) => model.run(scenario, monitor)?,
@@ -107,19 +111,19 @@ impl SimpleModel {
     }
 }
 
-/// The model with an element of the solids on a rail `beam`, which is corrected to the solid rail.
+/// The model of a pair with an element of the solids on a rail `beam`, which is corrected to the solid rail.
 ///
 /// # Errors
 /// Those of the beam.
 pub fn model_of_solids(
     input: &SimpleRunInput<'_>,
-    geometry: &Geometry,
+    pair: &Pair,
     beam: &RailBeam,
     correction: &BeamCorrection,
     element: PairElement,
 ) -> Result<CondensedModel> {
     let damped = [&input.rail.material, &input.wheel.material].map(|own| own.damped(input.damping));
-    Ok(CondensedModel::of_pair(&geometry.pair, beam.corrected(correction)?, damped.each_ref(), element))
+    Ok(CondensedModel::of_pair(pair, beam.corrected(correction)?, damped.each_ref(), element))
 }
 
 /// What a run is worth, and the run with an input that is 0.1 % larger, if it could be done.
@@ -206,13 +210,13 @@ pub fn simulate(
     springs: &Springs,
     monitor: &dyn Monitor,
 ) -> Result<(History, Tried)> {
-    let model = SimpleModel::new(input, geometry, &geometry.beam, springs)?;
+    let model = SimpleModel::new(input, &geometry.pair, &geometry.beam, springs)?;
     let progress = Shared { monitor, done: AtomicUsize::new(0) };
     let run = |scenario: &Scenario| model.run(scenario, &progress.share());
     let finer = || {
         let elements = FINER_BEAM * input.simulation.rail_elements;
         let beam = geometry.pair.beam(&input.rail.material, input.rail.length, elements)?;
-        Ok::<_, Error>((elements, SimpleModel::new(input, geometry, &beam, springs)?))
+        Ok::<_, Error>((elements, SimpleModel::new(input, &geometry.pair, &beam, springs)?))
     };
     let (elements, finer) = finer()?;
     let steps = input.simulation.steps(model.element());

@@ -15,6 +15,7 @@ use crate::results::by_angle::record::StiffnessByAngleRecord;
 use crate::results::names::OF_THE_RUNS;
 use crate::results::run::input::SimpleRunInput;
 use crate::results::run::record::{RUN_NOTE, RunRecord, SpringsRecord};
+use crate::results::run::uncertain_record::UncertainRun;
 use crate::results::run::{history_csv, make, springs};
 use crate::study::{ContactElementKey, StudyScenario};
 use crate::verify::ModelRun;
@@ -79,10 +80,12 @@ pub(crate) struct Other {
     pub run: std::result::Result<Run, String>,
 }
 
-/// The runs of a scenario: the simple model with the study's contact element, the same with each other one, and the solid model.
+/// The runs of a scenario: the simple model with the study's contact element, the same with each other one and with other inputs, and the solid model.
 pub(crate) struct Runs {
     pub simple: Run,
     pub others: Vec<Other>,
+    /// The simple model with inputs that are not known exactly, or why there is no band by them.
+    pub uncertain: std::result::Result<UncertainRun, String>,
     pub solid: Option<Run>,
 }
 

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use crate::engine::store::{Address, Kind};
+use crate::results::springs::uncertain_inputs::UncertainInputs;
 use crate::study::{ForceCurve, IntendedUseKeys, LawKey, Study, StudyScenario, Wheel};
 use crate::verify::Limits;
 
@@ -37,6 +38,9 @@ pub struct VerdictInput<'a> {
     /// Whether there are laws by contact angle.
     #[serde(skip)]
     pub wants_by_angle: bool,
+    /// Whether uncertain inputs go through the load cases.
+    #[serde(skip)]
+    pub wants_samples: bool,
 }
 
 impl<'a> VerdictInput<'a> {
@@ -57,6 +61,7 @@ impl<'a> VerdictInput<'a> {
             main_case: study.main_scenario.as_deref(),
             law: study.simulation.law,
             wants_by_angle: study.wants_by_angle(),
+            wants_samples: UncertainInputs::without_samples(study.statics()).is_none(),
         }
     }
 

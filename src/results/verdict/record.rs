@@ -6,6 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::results::run::record::RunRecord;
+use crate::results::verdict::input_bands::InputBands;
 use crate::results::verdict::validation::ValidationRecord;
 use crate::rounding::with_unit;
 use crate::study::ContactElementKey;
@@ -164,6 +165,12 @@ pub struct ScenarioVerdict {
     /// The contact elements of the simple model, that of the study first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub elements: Vec<ElementVerdict>,
+    /// What uncertain inputs change, beside the difference of the models.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub input_uncertainty: Option<InputBands>,
+    /// Why that is not known, if so.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub input_uncertainty_missing: Option<String>,
 }
 
 /// A contact element of the simple model on one load case.
@@ -270,11 +277,13 @@ impl VerificationRecord {
     }
 
     /// What has to be known about the runs, with the scenarios.
-    pub fn notes(&self) -> impl Iterator<Item = (&str, &str)> {
+    pub fn notes(&self) -> impl Iterator<Item = (&str, String)> {
         self.scenarios.iter().flat_map(|s| {
             let springs = s.simple.springs.iter().flat_map(|springs| &springs.notes);
             let solid = s.solid.iter().flat_map(|run| &run.notes);
-            springs.chain(&s.simple.notes).chain(solid).map(|note| (s.scenario.as_str(), note.as_str()))
+            let inputs = s.input_uncertainty.iter().map(InputBands::note);
+            let runs = springs.chain(&s.simple.notes).chain(solid).cloned();
+            runs.chain(inputs).map(|note| (s.scenario.as_str(), note))
         })
     }
 

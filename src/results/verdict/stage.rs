@@ -15,8 +15,10 @@ use crate::results::names::{OF_THE_VERDICT, STIFFNESS, VERIFICATION};
 use crate::results::run::record::{RUN_NOTE, RunRecord};
 use crate::results::run::springs;
 use crate::results::run::stage::{Other, Run, Runs, SIMPLE, SOLID, history_files, of_element};
+use crate::results::run::uncertain_stage;
 use crate::results::springs::record::StiffnessRecord;
 use crate::results::verdict::input::VerdictInput;
+use crate::results::verdict::input_bands::InputBands;
 use crate::results::verdict::judged::{Judging, hub_deviations, place};
 use crate::results::verdict::law_lines::{law_lines, loads_used};
 use crate::results::verdict::record::{
@@ -56,12 +58,17 @@ impl Stage for Verify<'_> {
     fn make(&mut self, engine: &mut Engine<'_>) -> Result<Made> {
         let input = &self.input;
         let mut scenarios = Vec::new();
-        for (name, Runs { simple, others, solid }) in self.runs {
+        for (name, Runs { simple, others, uncertain, solid }) in self.runs {
             let compared = |run: &Run| {
                 let solid = solid.as_ref()?;
                 Some(verify::compare(&run.model(), &solid.model(), input.limits))
             };
             let comparison = compared(simple).transpose()?;
+            let bands = uncertain.as_ref().map_err(Clone::clone).and_then(|run| {
+                let beside = (solid.as_ref(), comparison.as_ref());
+                let bands = InputBands::of(run, &simple.history, beside, input.limits);
+                bands.ok_or_else(|| "no time step that is compared has a band".into())
+            });
             let own = ElementVerdict {
                 differences: comparison.as_ref().map(ElementDifferences::from),
                 ..ElementVerdict::of(chosen(simple))
@@ -108,6 +115,8 @@ impl Stage for Verify<'_> {
                 compared,
                 running: Some(running),
                 elements,
+                input_uncertainty_missing: bands.as_ref().err().cloned(),
+                input_uncertainty: bands.ok(),
             });
         }
         let all_with = |element| {
@@ -200,7 +209,8 @@ fn inputs(input: &VerdictInput<'_>, results: &Results<'_>, with_stiffness: bool)
         // those of the element that does not run are not there
         let others = ContactElementKey::ALL.map(of_element);
         let others = others.iter().flat_map(|[file, disturbed]| files([file, disturbed]));
-        files(SIMPLE).into_iter().chain(others.collect::<Vec<_>>()).chain(solid)
+        let uncertain = input.wants_samples.then(|| uncertain_stage::file(input.main_case, name));
+        files(SIMPLE).into_iter().chain(uncertain).chain(others.collect::<Vec<_>>()).chain(solid)
     });
     let stiffness = with_stiffness.then(|| [STIFFNESS, BY_ANGLE].map(str::to_owned));
     stiffness

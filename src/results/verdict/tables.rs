@@ -9,6 +9,7 @@ use crate::results::run::record::RunRecord;
 use crate::results::springs::assumed_record::OtherRecord;
 use crate::results::springs::band_record::BandPointRecord;
 use crate::results::springs::record::StiffnessRecord;
+use crate::results::verdict::input_bands::InputBands;
 use crate::results::verdict::record::{ElementVerdict, ScenarioVerdict, VerificationRecord};
 use crate::study::ResolvedKey;
 use crate::verify::{self, HeldBy, Kind, Line};
@@ -57,9 +58,9 @@ pub(crate) fn lines(verdict: &VerificationRecord) -> Vec<LineText> {
 pub(crate) fn notes(verdict: &VerificationRecord) -> Vec<(String, String)> {
     let mut notes: Vec<(String, String)> = Vec::new();
     for (subject, note) in verdict.notes() {
-        match notes.iter_mut().find(|(_, known)| known == note) {
+        match notes.iter_mut().find(|(_, known)| *known == note) {
             Some((subjects, _)) => *subjects = format!("{subjects}, {subject}"),
-            None => notes.push((subject.into(), note.into())),
+            None => notes.push((subject.into(), note)),
         }
     }
     notes
@@ -130,6 +131,33 @@ pub(crate) fn missing_elements(judged: &ScenarioVerdict) -> Vec<String> {
         Some(format!("The {} element has no run: {reason}.", of.element))
     };
     judged.elements.iter().filter_map(sentence).collect()
+}
+
+/// What uncertain inputs change in a load case, as the page shows it.
+#[derive(Debug, Serialize)]
+pub(crate) struct Inputs {
+    /// Why that is not known.
+    missing: Option<String>,
+    /// How many samples there are.
+    counts: String,
+    /// What they leave out.
+    left_out: String,
+    /// Sentences.
+    lines: Vec<String>,
+    /// Values that each run has once: what, nominal, band, most by.
+    rows: Vec<[String; 5]>,
+}
+
+/// What uncertain inputs change in a load case.
+pub(crate) fn inputs(judged: &ScenarioVerdict) -> Inputs {
+    let bands = judged.input_uncertainty.as_ref();
+    Inputs {
+        missing: judged.input_uncertainty_missing.clone(),
+        counts: bands.map_or_else(String::new, |bands| bands.of.counts()),
+        left_out: bands.map_or_else(String::new, |bands| bands.of.left_out.join("; ")),
+        lines: bands.map_or_else(Vec::new, InputBands::sentences),
+        rows: bands.map_or_else(Vec::new, |bands| bands.of.extremes()),
+    }
 }
 
 pub(crate) fn line_text(subject: &str, line: &Line) -> LineText {

@@ -10,6 +10,7 @@ use crate::results::run::record::RunRecord;
 use crate::results::samples;
 use crate::results::springs::record::LoadEndRecord;
 use crate::results::springs::record::StiffnessRecord;
+use crate::results::verdict::input_bands::InputBands;
 use crate::results::verdict::reasons::reason;
 use crate::results::verdict::record::{
     ElementVerdict, ScenarioVerdict, VerdictOn, VerdictSubject, VerificationRecord,
@@ -55,6 +56,7 @@ fn build_with(crosscheck: Crosscheck<'_>) -> Report {
             elements: vec![drawn("condensed", &simple), drawn("published", &other)],
             solid: Some(drawn("solid", &solid)),
             band: Some(band(&solid)),
+            uncertain: Some(&samples::uncertain_run()),
         }],
         ratio_window: 0.024,
         verdict: &verdict,
@@ -112,6 +114,13 @@ fn verdict(simple: &History, solid: &History) -> VerificationRecord {
             solid: verify::RunningStatistics::of(solid, 30.0),
         }),
         elements,
+        input_uncertainty: InputBands::of(
+            &samples::uncertain_run(),
+            simple,
+            (None, None),
+            &Limits::default(),
+        ),
+        input_uncertainty_missing: None,
     };
     VerificationRecord {
         requirements: Vec::new(),
@@ -166,7 +175,9 @@ fn the_page_is_complete_and_needs_nothing_else() {
         "verification",
         "P, RMS difference over the solid",
         "solid model itself",
-        "of the wheel on the rail. Band: what the solid is worth itself, the change at each instant with an input that is 0.1 % larger, up to 275 ms. From 100 ms on the motion of the solid is not determined",
+        "of the wheel on the rail. Band: what the solid is worth itself, the change at each instant with an input that is 0.1 % larger, up to 275 ms. Light band: between 2.5 and 97.5 % at each instant of 64 quasi-random samples with the condensed element, 1 without a run, whose inputs depart by their uncertainties. From 100 ms on the motion of the solid is not determined",
+        "P: inputs by \u{b1}",
+        "<td>largest P, kN</td><td class=\"n\">73.0</td><td class=\"n\">70.0</td><td class=\"n\">78.0</td><td>inclination of the rail 80 %</td>",
         "<td class=\"line\">0 to 99.5 ms</td>",
         "<td class=\"line\">100 to 275 ms</td>",
         "peak memory",
@@ -293,7 +304,7 @@ fn the_first_screen_says_the_verdict() {
 /// Goal: histories of one row, and such that end early, are drawn without panic and with finite coordinates, s.
 #[test]
 fn short_histories_are_drawn() {
-    let full = samples::history(0.0);
+    let (full, uncertain) = (samples::history(0.0), samples::uncertain_run());
     for rows in [1, 2, 3] {
         let mut short = full.clone();
         short.rows.truncate(rows);
@@ -315,6 +326,7 @@ fn short_histories_are_drawn() {
                 elements,
                 solid,
                 band: solid.filter(|solid| solid.history.rows.len() > 3).map(|solid| band(solid.history)),
+                uncertain: other.is_some().then_some(&uncertain),
             };
             let figures = [
                 figures_of_run::forces(&run),
