@@ -210,7 +210,7 @@ fn uncertainty(data: &ReportData<'_>) -> Vec<Row> {
     };
     let leading: Vec<&str> =
         point.tangent.ranked().into_iter().take(3).map(|input| of.inputs[input].name.as_str()).collect();
-    vec![
+    let of_springs = [
         row("Numerical, u_num", format!("at {load}: {}", all(&|of| of.numerical)), "springs"),
         row(
             "Inputs, u_input",
@@ -222,7 +222,13 @@ fn uncertainty(data: &ReportData<'_>) -> Vec<Row> {
             format!("at {load}: {}", all(&|of| of.combined)),
             "springs",
         ),
-    ]
+    ];
+    let of_cases = data.verdict.scenarios.iter().enumerate().filter_map(|(n, judged)| {
+        let said = judged.input_uncertainty.as_ref()?.sentences().join("; ");
+        let at = format!("scenario-{}", n + 1);
+        Some(row("Inputs in a load case", format!("{}: {said}", judged.scenario), at))
+    });
+    of_springs.into_iter().chain(of_cases).collect()
 }
 
 fn validation(data: &ReportData<'_>) -> Vec<Row> {
