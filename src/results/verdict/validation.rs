@@ -119,11 +119,7 @@ pub(crate) fn validation(curve: &ForceCurve, stiffness: &StiffnessRecord) -> Opt
     let range = ends.0.force_kn..=ends.1.force_kn;
     let force_kn = |point: &MeasuredForce| point.force / KILONEWTON;
     let (inside, outside): (Vec<&MeasuredForce>, Vec<&MeasuredForce>) =
-        curve.points.iter().partition(|point| {
-            // the loads of both may round apart
-            let force = force_kn(point);
-            range.contains(&force.clamp(force * (1.0 - 1e-9), force * (1.0 + 1e-9))) || range.contains(&force)
-        });
+        curve.points.iter().partition(|point| range.contains(&force_kn(point)));
     let parts = relative_uncertainties(stiffness);
     let mut lacking = Vec::new();
     if parts.numerical.is_none() {
