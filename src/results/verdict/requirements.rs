@@ -57,7 +57,7 @@ pub(crate) fn requirements(
     }));
     lines.extend(of.displacement_percent.zip(validation).map(|(percent, validation)| {
         let meaning = "Error of the displacement against the measured curve with its uncertainty (95 %), largest over the measured displacement";
-        let line = criterion("displacement_percent", meaning, percent).line(validation.at_most());
+        let line = criterion("measured_displacement", meaning, percent).line(validation.at_most());
         line.noted(validation.sentence())
     }));
     lines

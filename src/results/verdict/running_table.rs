@@ -3,7 +3,6 @@
 use serde::Serialize;
 
 use crate::results::verdict::record::ScenarioVerdict;
-use crate::rounding::significant;
 use crate::verify::{Percentiles, RunningStatistics};
 
 /// The statistics of both models.
@@ -22,17 +21,17 @@ pub(crate) fn running(judged: &ScenarioVerdict) -> Option<Running> {
         .into_iter()
         .filter_map(|(name, of)| Some((name, of.as_ref()?)))
         .collect();
-    type Quantity = (&'static str, fn(&RunningStatistics) -> Option<Percentiles>);
+    type Quantity = (&'static str, usize, fn(&RunningStatistics) -> Option<Percentiles>);
     let quantities: [Quantity; 3] = [
-        ("P below 20 Hz, kN", |of| Some(of.p_kn)),
-        ("Q below 20 Hz, kN", |of| Some(of.q_kn)),
-        ("Q/P below 20 Hz, mean over 2 m", |of| of.q_over_p_2m),
+        ("P below 20 Hz, kN", 2, |of| Some(of.p_kn)),
+        ("Q below 20 Hz, kN", 2, |of| Some(of.q_kn)),
+        ("Q/P below 20 Hz, mean over 2 m", 4, |of| of.q_over_p_2m),
     ];
-    let rows = quantities.into_iter().flat_map(|(what, take)| {
+    let rows = quantities.into_iter().flat_map(|(what, digits, take)| {
         models.iter().filter_map(move |(name, of)| {
             let Percentiles { percentile_0_15, percentile_50, percentile_99_85 } = take(of)?;
             let [low, middle, high] =
-                [percentile_0_15, percentile_50, percentile_99_85].map(|value| significant(value, 3));
+                [percentile_0_15, percentile_50, percentile_99_85].map(|value| format!("{value:.digits$}"));
             Some([what.into(), (*name).into(), low, middle, high])
         })
     });
