@@ -79,7 +79,7 @@ fn intended_use(data: &ReportData<'_>) -> Vec<Row> {
     }
     // they are the first lines of the verdict
     rows.extend(data.verdict.requirements.iter().enumerate().map(|(n, line)| {
-        let found = line.value.map_or_else(|| "not known".into(), |value| percent(value));
+        let found = line.value.map_or_else(|| "not known".into(), percent);
         let state = if line.holds { "kept" } else { "NOT kept" };
         let value = format!("{}: {found} of {} allowed, {state}", line.meaning, percent(line.limit));
         Row { fails: !line.holds, ..row("Accuracy requirement", value, format!("limit-{}", n + 1)) }
