@@ -120,9 +120,9 @@ fn points(
     standard_uncertainty: Option<f64>,
     [least, most]: [f64; 2],
 ) -> Result<Vec<MeasuredForce>> {
-    let is_heading = |line: &&str| !line.trim().is_empty() && !line.starts_with('#');
-    let heading = text.lines().find(is_heading).unwrap_or_default();
-    let line = text.lines().position(|line| is_heading(&line)).map_or(1, |at| at as u64 + 1);
+    let mut lines = (1..).zip(text.lines());
+    let (line, heading): (u64, &str) =
+        lines.find(|(_, line)| !line.trim().is_empty() && !line.starts_with('#')).unwrap_or((1, ""));
     let delimiter =
         [b';', b'\t', b','].into_iter().find(|at| heading.as_bytes().contains(at)).unwrap_or(b',');
     let mut reader = ReaderBuilder::new()

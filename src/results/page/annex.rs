@@ -16,8 +16,6 @@ use crate::version;
 
 /// What is known to be wrong with the program, a line each.
 const DEFECTS: &str = include_str!("../../../docs/known-defects.md");
-/// Value of a line where nothing was given or done.
-const NONE: &str = "none";
 
 /// A line: what it is about, what was done or is known, and where the report has it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -79,7 +77,7 @@ fn intended_use(data: &ReportData<'_>) -> Vec<Row> {
     }
     // they are the first lines of the verdict
     rows.extend(data.verdict.requirements.iter().enumerate().map(|(n, line)| {
-        let found = line.value.map_or_else(|| "not known".into(), percent);
+        let found = known(line.value);
         let state = if line.holds { "kept" } else { "NOT kept" };
         let value = format!("{}: {found} of {} allowed, {state}", line.meaning, percent(line.limit));
         Row { fails: !line.holds, ..row("Accuracy requirement", value, format!("limit-{}", n + 1)) }
@@ -145,7 +143,7 @@ fn of_solution(data: &ReportData<'_>, crosscheck: &Value) -> Vec<Row> {
     let counts = data.verdict.verdicts.first().map(VerdictOn::counts);
     rows.extend(counts.map(|counts| row("Limits of the verdict", counts, "limits")));
     let programs = match crosscheck["state"].as_str() {
-        Some("fresh") => crosscheck["verdict"].as_str().unwrap_or(NONE).to_owned(),
+        Some("fresh") => crosscheck["verdict"].as_str().unwrap_or("none").to_owned(),
         Some("stale") => "of another study or version; `railspring crosscheck` makes it again".into(),
         _ => "none made; `railspring crosscheck` makes it".into(),
     };
@@ -158,8 +156,8 @@ fn worth(judged: &ScenarioVerdict) -> Option<String> {
     let of = |quantity: &str| judged.lines.iter().find(|line| line.quantity == quantity);
     let both = [of("vertical_rms")?, of("lateral_rms")?];
     let pair = |take: fn(&Line) -> Option<f64>| {
-        let text = |line: &Line| take(line).map_or_else(|| "not known".into(), percent);
-        format!("P {}, Q {}", text(both[0]), text(both[1]))
+        let [p, q] = both.map(|line| known(take(line)));
+        format!("P {p}, Q {q}")
     };
     Some(format!(
         "{}: solid model {}; simple model {} (RMS over the peak)",
@@ -172,13 +170,12 @@ fn worth(judged: &ScenarioVerdict) -> Option<String> {
 /// What simple and solid model differ by.
 fn models(judged: &ScenarioVerdict) -> Option<String> {
     let differences = judged.elements.first()?.differences.as_ref()?;
-    let text = |value: Option<f64>| value.map_or_else(|| "not known".into(), percent);
     let ratio = differences.ratio_max.map_or_else(|| "not known".into(), |value| significant(value, 2));
     Some(format!(
         "{}: P {}, Q {} (RMS over the peak), averaged Q/P {ratio} at most",
         judged.scenario,
-        text(differences.vertical_rms),
-        text(differences.lateral_rms)
+        known(differences.vertical_rms),
+        known(differences.lateral_rms)
     ))
 }
 
@@ -305,6 +302,11 @@ fn defects() -> Vec<[String; 2]> {
         .filter_map(|line| line.strip_prefix("- **")?.split_once("** "))
         .map(|(title, text)| [title.trim_end_matches('.').into(), plain(text)])
         .collect()
+}
+
+/// A value in per cent, or that it is not known.
+fn known(value: Option<f64>) -> String {
+    value.map_or_else(|| "not known".into(), percent)
 }
 
 fn percent(value: f64) -> String {

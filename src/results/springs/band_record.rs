@@ -107,3 +107,14 @@ pub struct BandPointRecord {
     /// Band of the tangent.
     pub tangent: Option<f64>,
 }
+
+impl BandPointRecord {
+    /// The numerical parts alone, grid and meshes, of the displacement and of the tangent.
+    pub fn numerical(&self) -> [f64; 2] {
+        let size = |change: Option<f64>| change.map_or(0.0, f64::abs);
+        [
+            size(self.grid_displacement) + size(self.mesh_displacement),
+            size(self.grid_tangent) + size(self.mesh_tangent),
+        ]
+    }
+}

@@ -160,10 +160,9 @@ fn record(
         scatter.into_iter().chain(of_assumed).collect()
     };
     let count = numbers.len();
-    let size = |change: Option<f64>| change.unwrap_or(0.0).abs();
     let points = numbers.iter().enumerate().map(|(at, &number)| {
         let band = bands.filter(|band| band.largest().is_some()).map(|band| band.points[number]);
-        let numerical = |[grid, mesh]: [Option<f64>; 2]| size(grid) + size(mesh);
+        let numerical = |part: usize| band.map(|band| band.numerical()[part]);
         let value = |part: usize, numerical: Option<f64>, extra: Vec<f64>| {
             value_record(propagated, part * count + at, extra, numerical)
         };
@@ -172,12 +171,12 @@ fn record(
             force_kn: law.points[number].force / KILONEWTON,
             displacement: value(
                 0,
-                band.map(|b| numerical([b.grid_displacement, b.mesh_displacement])),
+                numerical(0),
                 extra(band.and_then(|b| b.scatter_displacement), assumed.map(|a| half_of(a.displacement))),
             ),
             tangent: value(
                 1,
-                band.map(|b| numerical([b.grid_tangent, b.mesh_tangent])),
+                numerical(1),
                 extra(band.and_then(|b| b.scatter_tangent), assumed.map(|a| half_of(a.tangent))),
             ),
             area: value(2, None, none()),

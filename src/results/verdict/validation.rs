@@ -182,13 +182,9 @@ struct Relative {
 
 fn relative_uncertainties(stiffness: &StiffnessRecord) -> Relative {
     let bands = stiffness.error_band.as_ref().and_then(|band| band.of(&stiffness.reference));
-    let numerical = bands.filter(|band| band.largest().is_some()).map(|band| {
-        let size = |part: Option<f64>| part.map_or(0.0, f64::abs);
-        band.points
-            .iter()
-            .map(|p| (p.force_kn, size(p.grid_displacement) + size(p.mesh_displacement)))
-            .collect()
-    });
+    let numerical = bands
+        .filter(|band| band.largest().is_some())
+        .map(|band| band.points.iter().map(|point| (point.force_kn, point.numerical()[0])).collect());
     let input = stiffness.input_uncertainty.as_ref().filter(|of| !of.points.is_empty());
     let input = input.map(|of| of.points.iter().map(|p| (p.force_kn, p.displacement.input)).collect());
     Relative { numerical, input }
