@@ -18,5 +18,5 @@ mod pressed;
 pub use departure::{Departure, FARTHEST};
 pub use distribution::{Distribution, normal_quantile};
 pub use pressed::{Answers, Asked, UncertainPair};
-pub use propagate::{Band, Input, Propagated, propagate};
+pub use propagate::{Band, Effect, Input, Propagated, propagate};
 pub use samples::{departures, first_order_indices, is_enough, percentile};

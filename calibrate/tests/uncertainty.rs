@@ -192,7 +192,7 @@ fn the_truth_lies_in_the_band() {
             let found = quick(&uncertain, &Departure::default()).unwrap();
             let propagated = propagate(&inputs, 48, evaluate, ("", &Silent)).unwrap();
             for (answer, (known, found)) in known.iter().zip(&found).enumerate() {
-                let [low, high] = propagated.band(answer).percentiles.unwrap();
+                let [low, high] = propagated.band(answer, &[]).percentiles.unwrap();
                 all += 1;
                 inside += usize::from((1.0 + low..=1.0 + high).contains(&(known / found)));
             }

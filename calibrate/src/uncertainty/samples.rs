@@ -15,9 +15,14 @@ const LEAST_ANSWERED: f64 = 0.95;
 /// assert_eq!(few[..], more[..4]);
 /// ```
 pub fn departures(inputs: &[Distribution], samples: usize) -> Vec<Vec<f64>> {
+    departures_of(inputs, &(0..samples).collect::<Vec<usize>>())
+}
+
+/// The same of samples with some numbers in the sequence. More inputs after these change nothing of their departures.
+pub(super) fn departures_of(inputs: &[Distribution], numbers: &[usize]) -> Vec<Vec<f64>> {
     let of =
         |sample: usize| inputs.iter().enumerate().map(move |(i, of)| of.quantile(probability(sample, i)));
-    (0..samples).map(|sample| of(sample).collect()).collect()
+    numbers.iter().map(|sample| of(*sample).collect()).collect()
 }
 
 /// Coordinate of a point of the sequence, in the middle of what `f32` tells apart: never 0 nor 1.

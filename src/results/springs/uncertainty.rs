@@ -4,7 +4,9 @@ use nalgebra::Matrix3;
 use railspring_calibrate::calibration::{ContactField, NormalCalibration, Reference};
 use railspring_calibrate::law::fit_law;
 use railspring_calibrate::pair::{CondensedPair, Pair, spread};
-use railspring_calibrate::uncertainty::{Asked, Band, Propagated, UncertainPair, propagate};
+use railspring_calibrate::uncertainty::{
+    Asked, Band, Distribution, Effect, Propagated, UncertainPair, propagate,
+};
 use railspring_profiles::error::{Result, or_reason};
 use railspring_profiles::monitor::Monitor;
 use railspring_profiles::units::KILONEWTON;
@@ -22,7 +24,7 @@ use crate::study::Statics;
 
 /// Loads at which the springs are made with other inputs, from the smallest to the largest of the law.
 const LOADS: usize = 4;
-/// Half widths of the normal band of 95 %, in standard uncertainties, where there are no samples.
+/// Half width of the band of 95 % by scatter, in standard uncertainties.
 const TWICE: f64 = 2.0;
 
 /// Why a contact between the elements of the meshes has no uncertainty by its inputs.
@@ -106,14 +108,9 @@ pub fn at_loads(
         };
         propagate(&inputs, statics.uncertainty.samples, evaluate, ("uncertainty of the inputs", monitor))
     };
-    let half = |propagated: &Propagated, answer: usize| half_width(&propagated.band(answer));
+    let half = |propagated: &Propagated, answer: usize| propagated.band(answer, &[]).half_width;
     Ok(or_reason(propagated())?
         .map(|found| (0..loads.len()).map(|at| [half(&found, at), half(&found, loads.len() + at)]).collect()))
-}
-
-/// Half width of a band of 95 %: half the way between its percentiles, or twice its standard uncertainty.
-fn half_width(band: &Band) -> f64 {
-    band.percentiles.map_or(TWICE * band.linear, |[low, high]| 0.5 * (high - low))
 }
 
 /// How a pair of a study is asked under some loads.
@@ -153,18 +150,23 @@ fn record(
     if assumed.is_some() {
         inputs.push(by_effect("assumed bodies and places", "rectangular"));
     }
-    let half_of = |[less, more]: [f64; 2]| 0.5 * (more - less) / 3.0_f64.sqrt();
-    let extra = |scatter: Option<f64>, of_assumed: Option<f64>| -> Vec<f64> {
-        let scatter = scatters.then(|| scatter.unwrap_or(0.0) / TWICE);
-        let of_assumed = assumed.map(|_| of_assumed.unwrap_or(0.0));
+    // relative changes at the ends of the range
+    let extra = |scatter: Option<f64>, of_assumed: Option<[f64; 2]>| -> Vec<Effect> {
+        let one = scatter.unwrap_or(0.0) / TWICE;
+        let scatter = scatters.then_some(Effect { distribution: Distribution::Normal, changes: [-one, one] });
+        let ends = of_assumed.unwrap_or_default();
+        let of_assumed = assumed.map(|_| Effect {
+            distribution: Distribution::Rectangular,
+            changes: ends.map(|end| end.ln_1p() / 3.0_f64.sqrt()),
+        });
         scatter.into_iter().chain(of_assumed).collect()
     };
     let count = numbers.len();
     let points = numbers.iter().enumerate().map(|(at, &number)| {
         let band = bands.filter(|band| band.largest().is_some()).map(|band| band.points[number]);
         let numerical = |part: usize| band.map(|band| band.numerical()[part]);
-        let value = |part: usize, numerical: Option<f64>, extra: Vec<f64>| {
-            value_record(propagated, part * count + at, extra, numerical)
+        let value = |part: usize, numerical: Option<f64>, extra: Vec<Effect>| {
+            value_record(propagated, part * count + at, &extra, numerical)
         };
         let none = || extra(None, None);
         UncertainPointRecord {
@@ -172,12 +174,12 @@ fn record(
             displacement: value(
                 0,
                 numerical(0),
-                extra(band.and_then(|b| b.scatter_displacement), assumed.map(|a| half_of(a.displacement))),
+                extra(band.and_then(|b| b.scatter_displacement), assumed.map(|a| a.displacement)),
             ),
             tangent: value(
                 1,
                 numerical(1),
-                extra(band.and_then(|b| b.scatter_tangent), assumed.map(|a| half_of(a.tangent))),
+                extra(band.and_then(|b| b.scatter_tangent), assumed.map(|a| a.tangent)),
             ),
             area: value(2, None, none()),
             pressure: value(3, None, none()),
@@ -187,8 +189,8 @@ fn record(
     let horizontal = springs.horizontal.as_ref().zip(springs.horizontal_kn_per_m).map(|(of, stiffness)| {
         let numerical = of.error_band.as_ref().and_then(|band| band.band);
         let assumed = springs.assumed.as_ref().and_then(|assumed| assumed.horizontal_kn_per_m);
-        let extra = extra(None, assumed.map(|range| half_of(range.map(|end| end / stiffness))));
-        value_record(propagated, 4 * count, extra, numerical)
+        let extra = extra(None, assumed.map(|range| range.map(|end| end / stiffness - 1.0)));
+        value_record(propagated, 4 * count, &extra, numerical)
     });
     InputUncertaintyRecord {
         inputs,
@@ -201,33 +203,28 @@ fn record(
     }
 }
 
-/// The uncertainty of an answer; `extra` are the standard uncertainties of inputs that are known by their effect.
+/// The uncertainty of an answer; `beside` are inputs that are known by their effect.
 fn value_record(
     propagated: &Propagated,
     answer: usize,
-    extra: Vec<f64>,
+    beside: &[Effect],
     numerical: Option<f64>,
 ) -> UncertainRecord {
-    let band = propagated.band(answer);
-    let half = half_width(&band);
-    let Band { linear, sampled, percentiles, shares } = band;
-    let beside: f64 = extra.iter().map(|change| change * change).sum();
-    let of_inputs = sampled.unwrap_or(linear).powi(2);
-    let whole = (of_inputs + beside).max(f64::MIN_POSITIVE);
-    let input = (half * half + TWICE * TWICE * beside).sqrt();
+    let Band { linear, sampled, percentiles, half_width, shares } = propagated.band(answer, beside);
     UncertainRecord {
-        changes: propagated.linear.iter().map(|of| of[answer]).chain(extra.iter().copied()).collect(),
-        shares: shares
+        changes: propagated
+            .linear
             .iter()
-            .map(|share| share * of_inputs / whole)
-            .chain(extra.iter().map(|change| change * change / whole))
+            .map(|of| of[answer])
+            .chain(beside.iter().map(Effect::linear))
             .collect(),
-        linear: (linear * linear + beside).sqrt(),
+        shares,
+        linear,
         sampled,
         percentiles,
-        input,
+        input: half_width,
         numerical,
-        combined: numerical.map(|numerical| numerical.hypot(input)),
+        combined: numerical.map(|numerical| numerical.hypot(half_width)),
     }
 }
 

@@ -75,7 +75,8 @@ pub struct UncertainRecord {
     /// Changes at 2.5 and 97.5 % of the samples.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub percentiles: Option<[f64; 2]>,
-    /// Half width of the band of 95 % by the inputs: half the way between the percentiles, or twice the standard uncertainty.
+    /// Half width of the band of 95 % by the inputs: half the way between the percentiles; without samples, between
+    /// those to first order.
     pub input: f64,
     /// Half width of the numerical band: grid and meshes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
