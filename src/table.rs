@@ -9,6 +9,8 @@
 pub mod document;
 mod bodies;
 mod cases;
+mod shared;
+mod measured;
 mod making;
 mod turns;
 mod places;
@@ -21,6 +23,7 @@ mod page;
 pub use cases::{Case, Table};
 pub use document::TableDocument;
 pub use making::PlaceRecord;
+pub use measured::{DeviationRecord, MeasuredRecord, RailRecord, WheelRecord};
 pub use page::page;
 pub use places::{Place, Places, Plan};
 pub use record::{CaseRecord, FileRecord, PlaceEntry, TableRecord, record};

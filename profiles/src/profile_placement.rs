@@ -27,4 +27,4 @@ pub use own_frame::{
 pub use placed::{Motion, PlaceOptions, Placed, PlacedPoint, Size, Spread, place};
 pub use reference::Reference;
 pub use side::Side;
-pub use wear::{RailWear, WheelWear, rail_wear, wheel_wear};
+pub use wear::{RailWear, WheelWear, deepest_wear, rail_wear, wheel_wear};

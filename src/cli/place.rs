@@ -11,7 +11,8 @@ use railspring_profiles::profile_file::{
     write as profile_text,
 };
 use railspring_profiles::profile_placement::{
-    PlaceOptions, Placed, Reference, in_words, nearest, place_profile, rail_wear, resembled, wheel_wear,
+    PlaceOptions, Placed, Reference, deepest_wear, in_words, nearest, place_profile, rail_wear, resembled,
+    wheel_wear,
 };
 use railspring_profiles::rigid_contact::{Roll, RunningFunction, WheelOnRail, Wheelset};
 use railspring_profiles::section::{
@@ -140,22 +141,22 @@ fn worn(placed: &Placed, prepared: &Prepared, reference: &Reference) -> Result<V
     };
     let mut lines = match reference.kind {
         ProfileKind::Rail => {
-            let wear = rail_wear(placed, &prepared.curve, reference);
+            let wear = rail_wear(&prepared.curve, reference);
             vec![
                 line("vertical wear on the axis", wear.vertical),
                 line("lateral wear of the gauge face 14 mm below the new top", wear.lateral),
-                line("deepest wear across the surface", Some(wear.deepest)),
+                line("deepest wear across the surface", Some(deepest_wear(placed, reference))),
             ]
         }
         ProfileKind::Wheel => {
-            let wear = wheel_wear(placed, &prepared.curve, reference);
+            let wear = wheel_wear(&prepared.curve, reference);
             vec![
                 line("flange height Sh, tip against the tape circle", wear.flange_height),
                 line("flange thickness Sd, 10 mm below the tape circle", wear.flange_thickness),
                 line("qR, from there to 2 mm above the tip", wear.flange_slope),
                 line("radius missing at the tape circle", wear.tread),
                 line("hollow of the tread", wear.hollow),
-                line("deepest wear across the surface", Some(wear.deepest)),
+                line("deepest wear across the surface", Some(deepest_wear(placed, reference))),
             ]
         }
     };

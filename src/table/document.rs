@@ -35,6 +35,9 @@ pub struct TableDocument {
     /// Along what the wheel is pressed.
     #[serde(default)]
     pub direction: DirectionKey,
+    /// Whose bodies measured profiles are pressed on.
+    #[serde(default)]
+    pub bodies: BodiesKey,
     /// Loads along that direction at which displacement and stiffness have columns, kN, ascending, within the range of the loads of the study.
     #[serde(default = "usual_loads")]
     #[schemars(length(min = 1, max = 20), inner(range(min = 0.1, max = 1000.0)))]
@@ -66,6 +69,28 @@ pub struct CaseKeys {
     /// Name of the rail.
     #[schemars(length(min = 1))]
     pub rail: String,
+}
+
+/// Whose bodies measured profiles are pressed on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum BodiesKey {
+    /// Those of their standards, whose contact nodes are moved to the measured surface: condensed once, whatever the number of files. A surface that is more than 4 mm
+    /// off them has its own.
+    #[default]
+    Nominal,
+    /// Their own, meshed and condensed for every profile.
+    Own,
+}
+
+impl BodiesKey {
+    /// Its name in rows.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Nominal => "nominal",
+            Self::Own => "own",
+        }
+    }
 }
 
 /// A side of the wheelset.

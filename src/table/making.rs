@@ -7,9 +7,12 @@ use railspring_profiles::monitor::Monitor;
 use railspring_profiles::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE};
 use serde::{Deserialize, Serialize};
 
-use super::document::{DirectionKey, TableDocument};
+use super::document::{BodiesKey, DirectionKey, TableDocument};
+use super::measured::MeasuredRecord;
+use super::shared::{Common, OnBodies, Sharing};
 use crate::engine::output::to_json;
 use crate::engine::store::{Address, Artefact, Kind, Store};
+use crate::hash::key;
 use crate::results::bodies::estimate::{self, Resources, Room, Work};
 use crate::results::bodies::geometry::{self, Geometry};
 use crate::results::bodies::input::SolidsInput;
@@ -37,9 +40,25 @@ pub struct PlaceRecord {
     /// the bodies conform.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub hertz_kn_per_m: Vec<f64>,
+    /// What the measured surfaces are; none where neither was measured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub measured: Option<MeasuredRecord>,
+    /// The bodies that the measured surfaces were pressed on; none where neither was measured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bodies: Option<BodiesRecord>,
     /// Uncertainty by the inputs at the loads of the columns; none where the table does not give `uncertainty`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub uncertainty: Option<PlaceUncertainty>,
+}
+
+/// The bodies that measured surfaces were pressed on.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct BodiesRecord {
+    /// Whose they are.
+    pub of: BodiesKey,
+    /// How far the surfaces lie off bodies of others, at most, mm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub off_mm: Option<f64>,
 }
 
 /// Uncertainty of a place by the inputs of its case.
@@ -78,6 +97,8 @@ impl PlaceRecord {
             },
             rolling_radius_mm: None,
             hertz_kn_per_m: Vec::new(),
+            measured: None,
+            bodies: None,
             uncertainty: None,
         }
     }
@@ -90,6 +111,8 @@ pub(super) struct Settings<'a> {
     pub name: &'a str,
     /// Along what the wheels are pressed.
     pub direction: DirectionKey,
+    /// Whose bodies measured profiles are pressed on.
+    pub bodies: BodiesKey,
     /// Loads of the columns, kN.
     pub stiffness_at_kn: &'a [f64],
 }
@@ -97,15 +120,15 @@ pub(super) struct Settings<'a> {
 impl<'a> Settings<'a> {
     /// Those of a table.
     pub fn of(document: &'a TableDocument) -> Self {
-        let TableDocument { name, direction, stiffness_at_kn, .. } = document;
-        Self { name, direction: *direction, stiffness_at_kn }
+        let TableDocument { name, direction, bodies, stiffness_at_kn, .. } = document;
+        Self { name, direction: *direction, bodies: *bodies, stiffness_at_kn }
     }
 
     /// Address of the place of a study at a shift towards the rail (mm).
     pub fn address(&self, study: &Study, towards: f64) -> Address {
         // the uncertainty of inputs is asked for where the table gives it
         let statics = if is_uncertain(study) { study.statics() } else { study.statics().exact() };
-        Address::of(Kind::Place, &(statics, self.direction, self.stiffness_at_kn, towards))
+        Address::of(Kind::Place, &(statics, self.direction, self.bodies, self.stiffness_at_kn, towards))
     }
 }
 
@@ -121,6 +144,8 @@ pub(super) struct CaseWork<'a> {
     pub study: &'a Study,
     pub settings: Settings<'a>,
     pub store: &'a Store,
+    /// Bodies that cases have in common.
+    pub nominals: &'a Common<Ready>,
     pub resources: Resources<'a>,
     /// Who hears what the store does not keep.
     pub said: &'a dyn Monitor,
@@ -150,11 +175,44 @@ impl CaseWork<'_> {
         })
     }
 
-    /// The case up to its condensed bodies, taken from the store or made.
+    /// The case up to its condensed bodies, its own or those of its nominal profiles, taken from the store or made.
     ///
     /// # Errors
     /// As [`Self::meshed`]; those of condensing.
     pub fn ready(&self) -> Result<Ready> {
+        let sharing = self.with_keys(|| Sharing::of(self.study, self.settings.bodies))?;
+        let Some(sharing) = sharing else { return self.own() };
+        let nominal = CaseWork { study: &sharing.nominal, ..*self };
+        let ready = self.nominals.get(key(&nominal.study.statics()), || nominal.own())?;
+        self.carried(sharing, &ready)
+    }
+
+    /// The case on ready bodies of its nominal profiles; on its own where these do not carry it.
+    fn carried(&self, sharing: Sharing, Ready { room, on_bodies, .. }: &Ready) -> Result<Ready> {
+        match sharing.on(self.study, on_bodies) {
+            Ok(on_bodies) => Ok(Ready::new(self.study, *room, on_bodies)),
+            // another inclination, or worn too far
+            Err(Error::Input(_)) => self.own(),
+            Err(other) => Err(other),
+        }
+    }
+
+    /// The case whose bodies are condensed for this one: that of its nominal profiles, or itself.
+    ///
+    /// # Errors
+    /// Those of its files.
+    pub fn with_bodies<T>(&self, with: impl FnOnce(&CaseWork<'_>) -> Result<T>) -> Result<T> {
+        match self.with_keys(|| Sharing::of(self.study, self.settings.bodies))? {
+            Some(sharing) => with(&CaseWork { study: &sharing.nominal, ..*self }),
+            None => with(self),
+        }
+    }
+
+    /// The same with its own bodies.
+    ///
+    /// # Errors
+    /// As [`Self::ready`].
+    pub fn own(&self) -> Result<Ready> {
         let meshed = self.meshed()?;
         self.with_keys(|| {
             let Meshed { geometry, meshes, .. } = &meshed;
@@ -170,7 +228,7 @@ impl CaseWork<'_> {
         })
         .map(|(bodies, coarser)| {
             let Meshed { geometry, room, .. } = meshed;
-            Ready { geometry, room, bodies, coarser }
+            Ready::new(self.study, room, OnBodies { geometry, bodies, coarser })
         })
     }
 
@@ -179,6 +237,13 @@ impl CaseWork<'_> {
     /// # Errors
     /// Those of the geometry, and bodies that are no pair.
     pub fn ready_from(&self, prepared: &Prepared) -> Result<Option<Ready>> {
+        let sharing = self.with_keys(|| Sharing::of(self.study, self.settings.bodies))?;
+        let Some(sharing) = sharing else { return self.own_from(prepared) };
+        let nominal = CaseWork { study: &sharing.nominal, ..*self }.own_from(prepared)?;
+        nominal.map(|nominal| self.carried(sharing, &nominal)).transpose()
+    }
+
+    fn own_from(&self, prepared: &Prepared) -> Result<Option<Ready>> {
         let Prepared { bodies: [own, coarser], contact_elements: [element, of_coarser] } = prepared;
         let (study, room) = (self.study, Room::default());
         let of_pair = self.of_pair();
@@ -194,7 +259,8 @@ impl CaseWork<'_> {
             } else {
                 None
             };
-            Ok(Some(Ready { geometry: geometry::geometry(study.statics())?, room, bodies, coarser }))
+            let geometry = geometry::geometry(study.statics())?;
+            Ok(Some(Ready::new(study, room, OnBodies { geometry, bodies, coarser })))
         })
     }
 
@@ -257,7 +323,7 @@ impl CaseWork<'_> {
     /// An interruption.
     pub fn place(&self, ready: &Ready, shift_mm: f64) -> Result<PlaceRecord> {
         let Self { study, settings, store, .. } = self;
-        let Ready { geometry, bodies, coarser, .. } = ready;
+        let OnBodies { geometry, bodies, coarser } = &ready.on_bodies;
         let fixed_loads: Vec<f64> = settings.stiffness_at_kn.iter().map(|load| load * KILONEWTON).collect();
         let pressed = PlaceSettings { direction: settings.direction.into(), fixed_loads: &fixed_loads };
         let shift = shift_mm * MILLIMETRE;
@@ -269,6 +335,8 @@ impl CaseWork<'_> {
                 .touch
                 .map(|touch| geometry.pair.wheel.radius / MILLIMETRE + touch.wheel_z_mm),
             hertz_kn_per_m: hertz(study, geometry, bodies, shift, &fixed_loads),
+            measured: ready.measured.clone(),
+            bodies: ready.bodies.clone(),
             uncertainty: is_uncertain(study).then(|| self.uncertainty(ready, shift, &at)).transpose()?,
             at,
         };
@@ -280,7 +348,7 @@ impl CaseWork<'_> {
 
     /// The uncertainty of a place by the inputs, at the fixed loads that it carries.
     fn uncertainty(&self, ready: &Ready, shift: f64, at: &ShiftRecord) -> Result<PlaceUncertainty> {
-        let (statics, Ready { geometry, bodies, .. }) = (self.study.statics(), ready);
+        let (statics, OnBodies { geometry, bodies, .. }) = (self.study.statics(), &ready.on_bodies);
         let without = |reason: &str| PlaceUncertainty { loads: Vec::new(), missing: Some(reason.into()) };
         if self.settings.direction == DirectionKey::Normal {
             return Ok(without("samples are pressed vertically"));
@@ -329,15 +397,27 @@ pub(super) struct Meshed {
     room: Room,
 }
 
-/// A case up to its condensed bodies; those of coarser meshes with the edge of the contact elements of the others, m.
+/// A case up to its condensed bodies.
 pub(super) struct Ready {
-    geometry: Geometry,
     room: Room,
-    bodies: CondensedPair,
-    coarser: Option<(f64, coarser::CoarserBodies)>,
+    on_bodies: OnBodies,
+    measured: Option<MeasuredRecord>,
+    bodies: Option<BodiesRecord>,
 }
 
 impl Ready {
+    /// That of a case on its bodies.
+    fn new(study: &Study, room: Room, on_bodies: OnBodies) -> Self {
+        let (statics, geometry) = (study.statics(), &on_bodies.geometry);
+        let measured = MeasuredRecord::of(statics, geometry);
+        let off = geometry.pair.off_bodies;
+        let bodies = measured.is_some().then(|| match off > 0.0 {
+            true => BodiesRecord { of: BodiesKey::Nominal, off_mm: Some(off / MILLIMETRE) },
+            false => BodiesRecord { of: BodiesKey::Own, off_mm: None },
+        });
+        Self { room, on_bodies, measured, bodies }
+    }
+
     /// What there is room for at the same time.
     pub fn room(&self) -> Room {
         self.room

@@ -15,6 +15,7 @@ use rayon::prelude::*;
 use super::cases::{Case, Table};
 use super::document::SideKey;
 use super::making::{CaseWork, PlaceRecord, Ready, Settings};
+use super::shared::Common;
 use super::turns::{Pairs, in_turn};
 use crate::engine::store::Store;
 use crate::results::bodies::estimate::{self, GIB, Resources, Work};
@@ -76,6 +77,7 @@ pub struct Places<'a> {
     table: &'a Table,
     store: &'a Store,
     resources: Resources<'a>,
+    nominals: Common<Ready>,
     places: Vec<Place>,
     records: Vec<Option<PlaceRecord>>,
 }
@@ -108,7 +110,7 @@ impl<'a> Places<'a> {
             })
         };
         let records = places.par_iter().map(|place| (!fresh).then(|| take(place)).flatten()).collect();
-        Self { table, store, resources, places, records }
+        Self { table, store, resources, nominals: Common::default(), places, records }
     }
 
     /// What is going to be done.
@@ -235,12 +237,13 @@ impl Making<'_, '_> {
     }
 
     fn case(&self, pair: usize) -> CaseWork<'_> {
-        let Places { table, store, resources, .. } = self.places;
+        let Places { table, store, resources, nominals, .. } = self.places;
         let case = &table.cases[self.cases[pair]];
         CaseWork {
             study: &case.study,
             settings: Settings::of(&table.document),
             store,
+            nominals,
             resources: Resources { monitor: self.monitor, ..*resources },
             said: resources.monitor,
         }

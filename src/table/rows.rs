@@ -10,6 +10,7 @@ use serde_json::Value;
 
 use super::cases::{Case, Table};
 use super::making::{PlaceRecord, is_uncertain};
+use super::measured::AMPLITUDES_MM;
 use super::places::Place;
 use crate::engine::columns::{Cell, csv_of_texts};
 use crate::results::by_angle::record::AngleLawRecord;
@@ -96,10 +97,17 @@ impl Rows {
             table.cases.iter().flat_map(|case| case.varied.keys().map(String::as_str)).collect();
         let varied: Vec<&str> = varied.into_iter().filter(|key| !WITH_A_COLUMN.contains(key)).collect();
         let uncertain = table.cases.iter().any(|case| is_uncertain(&case.study));
+        let measured = [true, false].map(|wheel| {
+            table.cases.iter().any(|case| match wheel {
+                true => case.study.wheel.measured.is_some(),
+                false => case.study.rail.measured.is_some(),
+            })
+        });
         let row = |(place, record): &(Place, PlaceRecord), named: bool| {
             let mut row = Row { named, ..Row::default() };
             row.place(table, place, &varied);
             row.touch(record);
+            row.measured(record, measured);
             row.law(law_in_use(&table.cases[place.case], record));
             for load in &table.document.stiffness_at_kn {
                 row.load(&table.cases[place.case], record, &table.document.stiffness_at_kn, *load);
@@ -183,6 +191,33 @@ impl Row {
         self.put("wheel_y_mm", touch.map(|touch| touch.wheel_y_mm));
         self.put("wheel_z_mm", touch.map(|touch| touch.wheel_z_mm));
         self.put("rolling_radius_mm", record.rolling_radius_mm);
+    }
+
+    /// Of a table with measured wheels, and with measured rails.
+    fn measured(&mut self, record: &PlaceRecord, [wheels, rails]: [bool; 2]) {
+        let of = record.measured.as_ref();
+        if wheels {
+            let wheel = of.and_then(|of| of.wheel.as_ref());
+            self.put("wheel_flange_height_mm", wheel.and_then(|wheel| wheel.flange_height_mm));
+            self.put("wheel_flange_thickness_mm", wheel.and_then(|wheel| wheel.flange_thickness_mm));
+            self.put("wheel_flange_slope_mm", wheel.and_then(|wheel| wheel.flange_slope_mm));
+            self.put("wheel_tread_wear_mm", wheel.and_then(|wheel| wheel.tread_wear_mm));
+            self.put("wheel_hollow_mm", wheel.and_then(|wheel| wheel.hollow_mm));
+        }
+        if rails {
+            let rail = of.and_then(|of| of.rail.as_ref());
+            self.put("rail_vertical_wear_mm", rail.and_then(|rail| rail.vertical_wear_mm));
+            self.put("rail_lateral_wear_mm", rail.and_then(|rail| rail.lateral_wear_mm));
+        }
+        if wheels || rails {
+            for (at, amplitude) in AMPLITUDES_MM.iter().enumerate() {
+                let conicity = of.and_then(|of| *of.conicity.get(at)?);
+                self.put(format_args!("conicity_at_{amplitude}mm"), conicity);
+            }
+            let bodies = record.bodies.as_ref();
+            self.put("bodies", bodies.map_or("", |bodies| bodies.of.name()));
+            self.put("off_bodies_mm", bodies.and_then(|bodies| bodies.off_mm));
+        }
     }
 
     fn law(&mut self, in_use: Option<&AngleLawRecord>) {

@@ -11,8 +11,9 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use super::cases::{Case, Table, text_of_keys};
-use super::document::DirectionKey;
+use super::document::{BodiesKey, DirectionKey};
 use super::making::{BodyOfCase, CaseWork, Prepared, Settings};
+use super::shared::Common;
 use crate::engine::store::Store;
 use crate::hash::key;
 use crate::results::bodies::estimate::Resources;
@@ -25,6 +26,7 @@ use crate::study::Study;
 pub struct SentCase {
     table: String,
     direction: DirectionKey,
+    bodies: BodiesKey,
     stiffness_at_kn: Vec<f64>,
     /// The keys of the study; files are named as in `files`.
     keys: Map<String, Value>,
@@ -93,7 +95,7 @@ impl SentCase {
 
     /// A case of a table without an [`obstacle`](Self::obstacle).
     pub fn of(table: &Table, case: &Case) -> Self {
-        let Settings { name, direction, stiffness_at_kn } = Settings::of(&table.document);
+        let Settings { name, direction, bodies, stiffness_at_kn } = Settings::of(&table.document);
         let Study { rail, wheel, .. } = &case.study;
         let mut keys = case.keys.clone();
         let mut files = BTreeMap::new();
@@ -114,7 +116,7 @@ impl SentCase {
             }
         }
         let (stiffness_at_kn, springs) = (stiffness_at_kn.to_vec(), key(&case.study.statics()));
-        Self { table: name.into(), direction, stiffness_at_kn, keys, files, springs }
+        Self { table: name.into(), direction, bodies, stiffness_at_kn, keys, files, springs }
     }
 
     /// The study, with its files in `folder`.
@@ -158,12 +160,13 @@ impl Work {
             InputError::new("temporary folder", cause, expected, "make room, or set TMPDIR to another one")
         })?;
         let study = self.case.study(folder.path())?;
-        let SentCase { table, direction, stiffness_at_kn, .. } = &self.case;
-        let settings = Settings { name: table, direction: *direction, stiffness_at_kn };
-        let case = CaseWork { study: &study, settings, store, resources, said: resources.monitor };
+        let SentCase { table, direction, bodies, stiffness_at_kn, .. } = &self.case;
+        let settings = Settings { name: table, direction: *direction, bodies: *bodies, stiffness_at_kn };
+        let (nominals, said) = (&Common::default(), resources.monitor);
+        let case = CaseWork { study: &study, settings, store, nominals, resources, said };
         let answer = match &self.step {
-            Step::Prepare => prepared(&case),
-            Step::Condense { entry } => condensed(&case, entry),
+            Step::Prepare => case.with_bodies(prepared),
+            Step::Condense { entry } => case.with_bodies(|case| condensed(case, entry)),
             Step::Press { shifts_mm, prepared } => self.pressed(&case, shifts_mm, prepared),
         };
         let refused = |reason| Answer { refused: Some(reason), ..Answer::default() };

@@ -82,7 +82,8 @@ impl Pair {
     }
 }
 
-/// Both bodies condensed. It borrows nothing.
+/// Both bodies condensed. It borrows nothing, and a clone shares its matrices.
+#[derive(Clone)]
 pub struct CondensedPair {
     /// The wheel against its hub.
     pub wheel: CondensedBody,
@@ -93,7 +94,7 @@ pub struct CondensedPair {
     /// The motion of that rail's section at the contact.
     pub section: SectionMotion,
     /// Compliance of the rail's contact nodes against that section, m/N.
-    against_section: Mat<f64>,
+    against_section: Arc<Mat<f64>>,
 }
 
 impl PairMeshes {
@@ -182,8 +183,20 @@ impl CondensedPair {
             .section
             .clone()
             .ok_or_else(|| missing(PairBody::RailOnEnds, "no motion of its section"))?;
-        let against_section = section.relative(&rail_on_ends.compliance);
+        let against_section = Arc::new(section.relative(&rail_on_ends.compliance));
         Ok(Self { wheel, rail_on_ends, rail_on_foot, section, against_section })
+    }
+
+    /// The same matrices under other grids.
+    pub(super) fn with_bodies(
+        &self,
+        wheel: CondensedBody,
+        rail_on_ends: CondensedBody,
+        rail_on_foot: Option<CondensedBody>,
+    ) -> Self {
+        let section = rail_on_ends.section.clone().unwrap_or_else(|| self.section.clone());
+        let against_section = Arc::clone(&self.against_section);
+        Self { wheel, rail_on_ends, rail_on_foot, section, against_section }
     }
 
     /// Compliance of the rail's contact nodes against its section, m/N.

@@ -12,6 +12,7 @@ use faer::sparse::{SparseColMat, SparseColMatRef, SymbolicSparseColMatRef};
 use nalgebra::Point3;
 use railspring_profiles::error::Result;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// A body reduced to its contact nodes. It borrows nothing, so that it outlives mesh and factor, and it can be written
 /// and read ([`CondensedBody::write`]).
@@ -21,7 +22,7 @@ pub struct CondensedBody {
     pub key: String,
     /// Compliance of the retained equations, m/N: contact nodes (`3·node + direction` in the order of the contact
     /// grid), then the free motions of a master node.
-    pub compliance: Mat<f64>,
+    pub compliance: Arc<Mat<f64>>,
     /// The grid of the contact nodes on the profile; its node numbers are those of the mesh.
     pub grid: SurfaceGrid,
     /// Positions of the contact nodes in the order of the grid, m.
@@ -90,7 +91,7 @@ impl Superelement<'_> {
         let mesh = system.mesh;
         CondensedBody {
             key,
-            compliance,
+            compliance: Arc::new(compliance),
             grid: mesh.contact.clone(),
             nodes: mesh.contact.nodes.iter().map(|&n| mesh.nodes[n]).collect(),
             equations: system.numbering.equations,

@@ -12,9 +12,10 @@ use railspring_profiles::input;
 use safetensors::tensor::{Dtype, SafeTensors, TensorView, serialize};
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
+use std::sync::Arc;
 
 /// Layout of the file.
-const FORMAT: &str = "railspring condensed body 4";
+const FORMAT: &str = "railspring condensed body 5";
 
 /// Largest file that is read, bytes.
 const LARGEST: u64 = 4 << 30;
@@ -23,8 +24,13 @@ fn refused(name: &str, found: String) -> InputError {
     InputError::new(name, found, "a file as `CondensedBody::write` writes it", "condense the body again")
 }
 
+/// Number of values of the upper triangle of a matrix of a size, and of those before the column of that number.
+fn triangle(size: usize) -> usize {
+    size * (size + 1) / 2
+}
+
 impl CondensedBody {
-    /// The body as a file: tensors `compliance` (column by column), `nodes`, `along_profile`, `along_track` and
+    /// The body as a file: tensors `compliance` (it is symmetric: its upper triangle, column by column), `nodes`, `along_profile`, `along_track` and
     /// `node_numbers`, with the motion of a section `section_moved` (a row for y, z and the rotation),
     /// `section_flexibility` and `shear_centre`, with modes `mode_shapes` (a row for each), `mode_stiffness`, `mode_coupling` (a row for each rigid
     /// motion), `rigid_mass` and `master`, and the rest as metadata.
@@ -33,11 +39,12 @@ impl CondensedBody {
     /// Never: the shapes are those of the data.
     pub fn write(&self) -> Vec<u8> {
         let size = self.compliance.nrows();
-        let compliance: Vec<f64> =
-            (0..size).flat_map(|column| self.compliance.col_as_slice(column).iter().copied()).collect();
+        let compliance: Vec<f64> = (0..size)
+            .flat_map(|column| self.compliance.col_as_slice(column)[..=column].iter().copied())
+            .collect();
         let nodes: Vec<f64> = self.nodes.iter().flat_map(|p| [p.x, p.y, p.z]).collect();
         let mut reals = vec![
-            ("compliance", compliance, vec![size, size]),
+            ("compliance", compliance, vec![triangle(size)]),
             ("nodes", nodes, vec![self.nodes.len(), 3]),
             ("along_profile", self.grid.along_profile.clone(), vec![self.grid.along_profile.len()]),
             ("along_track", self.grid.along_track.clone(), vec![self.grid.along_track.len()]),
@@ -139,15 +146,16 @@ impl CondensedBody {
                 None => Ok((shape, values)),
             }
         };
-        let (shape, compliance) = reals("compliance")?;
+        let (_, compliance) = reals("compliance")?;
         let (_, nodes) = reals("nodes")?;
         let (along_profile, along_track) = (reals("along_profile")?.1, reals("along_track")?.1);
         let (_, numbers) = values("node_numbers", Dtype::U64)?;
         let numbers: Vec<usize> = numbers.into_iter().map(|n| u64::from_le_bytes(n) as usize).collect();
         let count = along_profile.len() * along_track.len();
-        let square = shape.len() == 2 && shape[0] == shape[1] && shape[0] >= 3 * count;
-        if !square || nodes.len() != 3 * count || numbers.len() != count {
-            return Err(format!("a compliance of shape {shape:?} for {count} contact nodes"));
+        let size = (0..).find(|size| triangle(*size) >= compliance.len()).unwrap_or_default();
+        let is_triangle = compliance.len() == triangle(size) && size >= 3 * count;
+        if !is_triangle || nodes.len() != 3 * count || numbers.len() != count {
+            return Err(format!("a compliance of {} values for {count} contact nodes", compliance.len()));
         }
         let nodes: Vec<Point3<f64>> = nodes.chunks_exact(3).map(|p| Point3::new(p[0], p[1], p[2])).collect();
         let section = if tensors.tensor("section_moved").is_ok() {
@@ -188,12 +196,13 @@ impl CondensedBody {
         } else {
             None
         };
-        let size = shape[0];
         let number =
             |name: &str| entry(name).and_then(|text| text.parse().map_err(|_| format!("{name} = {text}")));
         Ok(Self {
             key: entry("key")?.clone(),
-            compliance: Mat::from_fn(size, size, |row, column| compliance[column * size + row]),
+            compliance: Arc::new(Mat::from_fn(size, size, |row, column| {
+                compliance[triangle(row.max(column)) + row.min(column)]
+            })),
             grid: SurfaceGrid { along_profile, along_track, nodes: numbers },
             nodes,
             equations: entry("equations")?.parse().map_err(|_| "equations that are no number".to_string())?,

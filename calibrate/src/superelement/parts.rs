@@ -11,6 +11,7 @@ use crate::mesh::HexMesh;
 use crate::solid::{MirrorHalf, Symmetry, System};
 use faer::Mat;
 use railspring_profiles::error::Result;
+use std::sync::Arc;
 
 /// The nodes of a half are at rest in a motion that is less than this share of the whole one.
 const AT_REST: f64 = 1e-9;
@@ -137,7 +138,7 @@ impl Parts<'_> {
                 let compliance = joined(half, [&symmetric.compliance, &antisymmetric.compliance]);
                 Ok(CondensedBody {
                     key,
-                    compliance,
+                    compliance: Arc::new(compliance),
                     grid: whole.contact.clone(),
                     nodes: whole.contact.nodes.iter().map(|&n| whole.nodes[n]).collect(),
                     equations,

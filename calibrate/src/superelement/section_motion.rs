@@ -97,6 +97,12 @@ impl SectionMotion {
         Ok(Self { shear_centre, flexibility, nodes, moved })
     }
 
+    /// The same of a rail that is moved across the track by `way` (y, z), m.
+    pub(crate) fn moved_by(&self, way: Vector2<f64>) -> Self {
+        let nodes = self.nodes.iter().map(|node| node + way).collect();
+        Self { shear_centre: self.shear_centre + way, nodes, ..self.clone() }
+    }
+
     /// Positions (y, z) of the contact nodes, m.
     pub fn places(&self) -> &[Point2<f64>] {
         &self.nodes

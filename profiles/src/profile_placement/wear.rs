@@ -23,8 +23,6 @@ pub struct RailWear {
     pub vertical: Option<f64>,
     /// Width that is missing at the gauge face, 14 mm below the top of the new rail.
     pub lateral: Option<f64>,
-    /// Depth that is missing across the surface, at most.
-    pub deepest: f64,
 }
 
 /// Measures of a wheel, m; `None` where the profile does not reach.
@@ -40,29 +38,27 @@ pub struct WheelWear {
     pub tread: Option<f64>,
     /// Hollow of the tread: how much larger the radius is somewhere on its field side than nearer to the flange.
     pub hollow: Option<f64>,
-    /// Depth that is missing across the surface, at most.
-    pub deepest: f64,
 }
 
-fn deepest(placed: &Placed, reference: &Reference) -> f64 {
+/// Depth that a placed profile is missing across its standard, at most, m.
+pub fn deepest_wear(placed: &Placed, reference: &Reference) -> f64 {
     let worn = placed.points.iter().filter(|p| reference.runs(p.s)).map(|p| p.missing);
     worn.fold(0.0, f64::max)
 }
 
 /// Wear of a rail from its placed curve (y to the field side) against its standard.
-pub fn rail_wear(placed: &Placed, curve: &ProfileCurve, reference: &Reference) -> RailWear {
+pub fn rail_wear(curve: &ProfileCurve, reference: &Reference) -> RailWear {
     // The gauge side: the first place from the top towards -y where the curve goes through the level.
     let gauge = |curve: &ProfileCurve| across(curve, SIDE_DEPTH, Way::ToLess);
     let difference = |new: Option<f64>, worn: Option<f64>| Some(worn? - new?);
     RailWear {
         vertical: difference(z_at(&reference.curve, 0.0), z_at(curve, 0.0)),
         lateral: difference(gauge(&reference.curve), gauge(curve)),
-        deepest: deepest(placed, reference),
     }
 }
 
 /// Measures of a wheel from its placed curve.
-pub fn wheel_wear(placed: &Placed, curve: &ProfileCurve, reference: &Reference) -> WheelWear {
+pub fn wheel_wear(curve: &ProfileCurve, reference: &Reference) -> WheelWear {
     let tread = z_at(curve, 0.0);
     let back = reference.curve.point(reference.running[0]).x;
     let tip = curve
@@ -88,7 +84,6 @@ pub fn wheel_wear(placed: &Placed, curve: &ProfileCurve, reference: &Reference) 
         flange_slope: Some((flange_face, near_tip)).and_then(|(face, tip)| Some(face? - tip?)),
         tread: tread.and_then(|worn| Some(z_at(&reference.curve, 0.0)? - worn)),
         hollow,
-        deepest: deepest(placed, reference),
     }
 }
 

@@ -153,7 +153,7 @@ fn wear_is_read_off() {
         placed.side
     );
     let curve = prepare(&moved, &PrepareOptions::default()).unwrap().curve;
-    let found = rail_wear(&placed, &curve, &rail);
+    let found = rail_wear(&curve, &rail);
     near(found.vertical, 2.0);
     // The face leans 1:20: the horizontal distance is that much longer than the normal one.
     near(found.lateral, 1.5 * (1.0f64 + 0.05 * 0.05).sqrt());
@@ -166,7 +166,7 @@ fn wear_is_read_off() {
         let profile = as_file(ProfileKind::Wheel, &measured(&wheel, [-5.0, length], wear));
         let (moved, placed) = place_profile(&profile, &wheel, PlaceOptions::default()).unwrap();
         let curve = prepare(&moved, &PrepareOptions::default()).unwrap().curve;
-        let found = wheel_wear(&placed, &curve, &wheel);
+        let found = wheel_wear(&curve, &wheel);
         near(found.flange_height, height);
         near(found.tread, tread);
         if worn {

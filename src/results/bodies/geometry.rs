@@ -11,7 +11,7 @@ use railspring_profiles::profile_file::{Action, Finding, FindingKind, ProfileKin
 use railspring_profiles::section::{RailSection, WheelSection};
 use railspring_profiles::units::MILLIMETRE;
 
-use super::sections::{self, Assumed, finding_record};
+use super::sections::{self, Assumed, Sectioned, finding_record};
 use crate::results::bodies::outline_figure::{BodyOutline, ProfilePair};
 use crate::results::bodies::record::ProfileRecord;
 use crate::results::bodies::surface_figure::OnStandard;
@@ -30,6 +30,8 @@ pub struct Geometry {
     pub profiles: Vec<ProfileRecord>,
     /// The same on their standards, for pictures; not the sections of files.
     pub surfaces: Vec<OnStandard>,
+    /// The sections that measured profiles were laid on.
+    pub bases: (Option<RailSection>, Option<WheelSection>),
     /// What is assumed of the bodies of measured profiles, of the rail and of the wheel.
     pub assumed: [Option<Assumed>; 2],
     /// The pair with surfaces without a quarter of their measured points each; none where nothing scatters.
@@ -41,27 +43,62 @@ pub struct Geometry {
 /// # Errors
 /// Unknown profile names, and a wheel that misses the rail.
 pub fn geometry(statics: Statics<'_>) -> Result<Geometry> {
-    let (rail, wheel) = rayon::join(|| sections::rail(statics), || sections::wheel(statics));
-    let (rail, wheel) = (rail?, wheel?);
-    // a head that its file has inclined is laid as it is there
-    let turned =
-        rail.assumed.as_ref().and_then(|assumed| assumed.turned).filter(|_| !statics.rail.inclination_given);
-    let inclination = turned.map_or(statics.rail.inclination, f64::tan);
-    let in_track = Geometry::in_track(statics, rail.section, wheel.section, inclination)?;
-    let replicates = in_track.replicates(statics, &rail.replicates, &wheel.replicates, inclination)?;
-    let mut profiles: Vec<ProfileRecord> = rail.records.into_iter().chain(wheel.records).collect();
-    if let (Some(record), Some(finding)) = (
-        profiles.iter_mut().find(|r| r.body == ProfileKind::Rail.name()),
-        in_track.gauge_point_assumed(statics),
-    ) {
-        record.findings.push(finding_record(&finding));
+    let Surfaces { rail, wheel } = Surfaces::read(statics)?;
+    Geometry::of_surfaces(statics, rail, wheel, |rail, wheel, inclination| {
+        Geometry::in_track(statics, rail, wheel, inclination)
+    })
+}
+
+/// The two sections of a study, by themselves.
+#[derive(Clone)]
+pub(crate) struct Surfaces {
+    pub rail: Sectioned<RailSection>,
+    pub wheel: Sectioned<WheelSection>,
+}
+
+impl Surfaces {
+    /// Reads, places and closes both.
+    ///
+    /// # Errors
+    /// Those of the files, and unknown profile names.
+    pub fn read(statics: Statics<'_>) -> Result<Self> {
+        let (rail, wheel) = rayon::join(|| sections::rail(statics), || sections::wheel(statics));
+        Ok(Self { rail: rail?, wheel: wheel? })
     }
-    let surfaces = rail.surface.into_iter().chain(wheel.surface).collect();
-    let assumed = [rail.assumed, wheel.assumed];
-    Ok(Geometry { profiles, surfaces, assumed, replicates, ..in_track })
 }
 
 impl Geometry {
+    /// Two sections as `in_track` lays them with the rail inclined by a slope, and what is known of the surfaces.
+    ///
+    /// # Errors
+    /// Those of `in_track`, and a wheel that misses the rail.
+    pub(crate) fn of_surfaces(
+        statics: Statics<'_>,
+        rail: Sectioned<RailSection>,
+        wheel: Sectioned<WheelSection>,
+        in_track: impl FnOnce(RailSection, WheelSection, f64) -> Result<Self>,
+    ) -> Result<Self> {
+        // a head that its file has inclined is laid as it is there
+        let turned = rail
+            .assumed
+            .as_ref()
+            .and_then(|assumed| assumed.turned)
+            .filter(|_| !statics.rail.inclination_given);
+        let inclination = turned.map_or(statics.rail.inclination, f64::tan);
+        let in_track = in_track(rail.section, wheel.section, inclination)?;
+        let replicates = in_track.replicates(statics, &rail.replicates, &wheel.replicates, inclination)?;
+        let mut profiles: Vec<ProfileRecord> = rail.records.into_iter().chain(wheel.records).collect();
+        if let (Some(record), Some(finding)) = (
+            profiles.iter_mut().find(|r| r.body == ProfileKind::Rail.name()),
+            in_track.gauge_point_assumed(statics),
+        ) {
+            record.findings.push(finding_record(&finding));
+        }
+        let surfaces = rail.surface.into_iter().chain(wheel.surface).collect();
+        let (bases, assumed) = ((rail.base, wheel.base), [rail.assumed, wheel.assumed]);
+        Ok(Self { profiles, surfaces, bases, assumed, replicates, ..in_track })
+    }
+
     /// Two sections in the track of a study, the rail inclined by a slope; nothing of them was measured.
     ///
     /// # Errors
@@ -82,7 +119,14 @@ impl Geometry {
         })?;
         let beam = pair.beam(&statics.rail.material, statics.rail.length, statics.beam_elements)?;
         let (profiles, surfaces, replicates) = (Vec::new(), Vec::new(), Vec::new());
-        Ok(Self { pair, beam, profiles, surfaces, assumed: [None, None], replicates })
+        Ok(Self { pair, beam, profiles, surfaces, bases: (None, None), assumed: [None, None], replicates })
+    }
+
+    /// A pair of other surfaces on the same bodies, of which nothing else is known.
+    pub(crate) fn with_surfaces(&self, pair: Pair) -> Self {
+        let (profiles, surfaces, replicates) = (Vec::new(), Vec::new(), Vec::new());
+        let beam = self.beam.clone();
+        Self { pair, beam, profiles, surfaces, bases: (None, None), assumed: [None, None], replicates }
     }
 
     /// That the gauge is taken below the last measured point of the rail, on the side of the body that it was joined to, and by

@@ -23,12 +23,15 @@ use crate::results::bodies::surface_figure::OnStandard;
 use crate::study::{MeasuredSurface, RailBody, SectionFile, Statics};
 
 /// The section of a body.
+#[derive(Clone)]
 pub(crate) struct Sectioned<S> {
     pub section: S,
     /// The records of the section that the study brings, and of the measured surface.
     pub records: Vec<ProfileRecord>,
     /// The measured surface on its standard.
     pub surface: Option<OnStandard>,
+    /// The section that a measured surface was laid on.
+    pub base: Option<S>,
     /// What is assumed of a measured body.
     pub assumed: Option<Assumed>,
     /// The section without a quarter of the measured points each; none where nothing scatters.
@@ -38,7 +41,7 @@ pub(crate) struct Sectioned<S> {
 impl<S> Sectioned<S> {
     /// A section of which nothing was measured.
     fn known(section: S, records: Vec<ProfileRecord>) -> Self {
-        Self { section, records, surface: None, assumed: None, replicates: Vec::new() }
+        Self { section, records, surface: None, base: None, assumed: None, replicates: Vec::new() }
     }
 }
 
@@ -94,7 +97,7 @@ pub(crate) fn rail(statics: Statics<'_>) -> Result<Sectioned<RailSection>> {
     )?;
     let surface = found.on(file, &reference, Seams::of_rail(&section), &mut records);
     let assumed = Some(found.assumed(given, reference.name));
-    Ok(Sectioned { section, records, surface: Some(surface), assumed, replicates })
+    Ok(Sectioned { section, records, surface: Some(surface), base: Some(base), assumed, replicates })
 }
 
 /// Section of the wheel.
@@ -141,7 +144,7 @@ pub(crate) fn wheel(statics: Statics<'_>) -> Result<Sectioned<WheelSection>> {
     )?;
     let surface = found.on(file, &reference, Seams::of_wheel(&section), &mut records);
     let assumed = Some(found.assumed(known, reference.name));
-    Ok(Sectioned { section, records, surface: Some(surface), assumed, replicates })
+    Ok(Sectioned { section, records, surface: Some(surface), base: Some(base), assumed, replicates })
 }
 
 /// The profile in its place, and whether that is on a section which is `known` to be its own: on the `reference`, or by its own shape in the `frame` of a body

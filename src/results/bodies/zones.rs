@@ -34,10 +34,12 @@ const NEAR_THE_END: f64 = 3e-3;
 /// Half length of the contact grid over that of the window.
 const BEYOND: f64 = 2.0;
 
+/// How much further zones go down the faces beside measured profiles, m.
+pub(crate) const DEEPER: f64 = 6e-3;
+
 /// The study's mesh sizes, with a zone that holds the Hertz patch of the largest load and goes on beyond the first touch; a worn flange is steeper and
 /// touches deeper, so beside measured profiles the zones go on further down the two faces.
 pub fn mesh_options(statics: Statics<'_>, geometry: &Geometry) -> MeshOptions {
-    const DEEPER: f64 = 6e-3;
     let mut options = statics.mesh.clone();
     if statics.rail.measured.is_some() || statics.wheel.measured.is_some() {
         options.rail_zone.face_depth += DEEPER;
