@@ -11,6 +11,7 @@ mod bodies;
 mod cases;
 mod shared;
 mod measured;
+mod carried;
 mod making;
 mod turns;
 mod places;
@@ -20,6 +21,7 @@ pub mod changes;
 mod record;
 mod page;
 
+pub use carried::{BodiesRecord, CarriedRecord, OwnRecord};
 pub use cases::{Case, Table};
 pub use document::TableDocument;
 pub use making::PlaceRecord;

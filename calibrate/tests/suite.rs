@@ -18,6 +18,7 @@ mod press_direction;
 mod profile_files;
 mod section_analysis;
 mod section_motion;
+mod shared_bodies;
 mod solids;
 mod standards;
 mod two_materials;

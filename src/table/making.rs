@@ -1,12 +1,14 @@
 //! What is made of one case of a table: its bodies and its places, each kept in the store as soon as it is there.
 
 use railspring_calibrate::analytic::hertz::point_contact;
+use railspring_calibrate::calibration::Reference;
 use railspring_calibrate::pair::{CondensedPair, PairBody};
 use railspring_profiles::error::{Error, Result};
 use railspring_profiles::monitor::Monitor;
 use railspring_profiles::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE};
 use serde::{Deserialize, Serialize};
 
+use super::carried::{BodiesRecord, OwnRecord, is_checked};
 use super::document::{BodiesKey, DirectionKey, TableDocument};
 use super::measured::MeasuredRecord;
 use super::shared::{Common, OnBodies, Sharing};
@@ -49,16 +51,6 @@ pub struct PlaceRecord {
     /// Uncertainty by the inputs at the loads of the columns; none where the table does not give `uncertainty`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub uncertainty: Option<PlaceUncertainty>,
-}
-
-/// The bodies that measured surfaces were pressed on.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct BodiesRecord {
-    /// Whose they are.
-    pub of: BodiesKey,
-    /// How far the surfaces lie off bodies of others, at most, mm.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub off_mm: Option<f64>,
 }
 
 /// Uncertainty of a place by the inputs of its case.
@@ -190,11 +182,21 @@ impl CaseWork<'_> {
     /// The case on ready bodies of its nominal profiles; on its own where these do not carry it.
     fn carried(&self, sharing: Sharing, Ready { room, on_bodies, .. }: &Ready) -> Result<Ready> {
         match sharing.on(self.study, on_bodies) {
-            Ok(on_bodies) => Ok(Ready::new(self.study, *room, on_bodies)),
+            Ok(on_bodies) => {
+                let own = is_checked(&key(&self.study.statics())).then(|| self.without_band()).transpose()?;
+                Ok(Ready { own, ..Ready::new(self.study, *room, on_bodies) })
+            }
             // another inclination, or worn too far
             Err(Error::Input(_)) => self.own(),
             Err(other) => Err(other),
         }
+    }
+
+    /// The case on its own bodies, for one law alone.
+    fn without_band(&self) -> Result<OnBodies> {
+        let mut study = self.study.clone();
+        (study.calibration.error_band, study.target_error) = (false, None);
+        CaseWork { study: &study, ..*self }.own().map(|own| own.on_bodies)
     }
 
     /// The case whose bodies are condensed for this one: that of its nominal profiles, or itself.
@@ -323,20 +325,30 @@ impl CaseWork<'_> {
     /// An interruption.
     pub fn place(&self, ready: &Ready, shift_mm: f64) -> Result<PlaceRecord> {
         let Self { study, settings, store, .. } = self;
-        let OnBodies { geometry, bodies, coarser } = &ready.on_bodies;
+        let OnBodies { geometry, bodies, .. } = &ready.on_bodies;
         let fixed_loads: Vec<f64> = settings.stiffness_at_kn.iter().map(|load| load * KILONEWTON).collect();
         let pressed = PlaceSettings { direction: settings.direction.into(), fixed_loads: &fixed_loads };
         let shift = shift_mm * MILLIMETRE;
-        let coarser = coarser.as_ref().map(|(element, bodies)| (*element, bodies));
-        let at =
-            make::place(study.statics(), geometry, bodies, &pressed, shift, coarser, self.resources.monitor)?;
+        let press = |OnBodies { geometry, bodies, coarser }: &OnBodies, bands: bool| {
+            let coarser = coarser.as_ref().filter(|_| bands).map(|(element, bodies)| (*element, bodies));
+            let monitor = self.resources.monitor;
+            make::place(study.statics(), geometry, bodies, &pressed, shift, coarser, monitor)
+        };
+        let at = press(&ready.on_bodies, true)?;
+        let mut record_of_bodies = ready.bodies.clone();
+        if let (Some(own), Some(BodiesRecord { carried: Some(carried), .. })) =
+            (&ready.own, &mut record_of_bodies)
+        {
+            let reference = Reference::from(study.calibration.reference).name();
+            carried.own = Some(OwnRecord::of(&at, &press(own, false)?, reference));
+        }
         let record = PlaceRecord {
             rolling_radius_mm: at
                 .touch
                 .map(|touch| geometry.pair.wheel.radius / MILLIMETRE + touch.wheel_z_mm),
             hertz_kn_per_m: hertz(study, geometry, bodies, shift, &fixed_loads),
             measured: ready.measured.clone(),
-            bodies: ready.bodies.clone(),
+            bodies: record_of_bodies,
             uncertainty: is_uncertain(study).then(|| self.uncertainty(ready, shift, &at)).transpose()?,
             at,
         };
@@ -368,9 +380,15 @@ impl CaseWork<'_> {
         })
     }
 
+    /// Whether the store keeps the bodies of the case: there are as many of measured profiles as files.
+    fn keeps_bodies(&self) -> bool {
+        let Study { rail, wheel, .. } = self.study;
+        self.settings.bodies == BodiesKey::Own || (rail.measured.is_none() && wheel.measured.is_none())
+    }
+
     fn source(&self, room: Room) -> BodySource<'_> {
         BodySource {
-            store: Some(self.store),
+            store: self.keeps_bodies().then_some(self.store),
             fresh: false,
             foot_held: self.study.calibration.foot_held,
             together: room.condensing,
@@ -403,6 +421,8 @@ pub(super) struct Ready {
     on_bodies: OnBodies,
     measured: Option<MeasuredRecord>,
     bodies: Option<BodiesRecord>,
+    /// The same on its own bodies, of some of those that are on others.
+    own: Option<OnBodies>,
 }
 
 impl Ready {
@@ -410,12 +430,8 @@ impl Ready {
     fn new(study: &Study, room: Room, on_bodies: OnBodies) -> Self {
         let (statics, geometry) = (study.statics(), &on_bodies.geometry);
         let measured = MeasuredRecord::of(statics, geometry);
-        let off = geometry.pair.off_bodies;
-        let bodies = measured.is_some().then(|| match off > 0.0 {
-            true => BodiesRecord { of: BodiesKey::Nominal, off_mm: Some(off / MILLIMETRE) },
-            false => BodiesRecord { of: BodiesKey::Own, off_mm: None },
-        });
-        Self { room, on_bodies, measured, bodies }
+        let bodies = measured.is_some().then(|| BodiesRecord::off(geometry.pair.off_bodies));
+        Self { room, on_bodies, measured, bodies, own: None }
     }
 
     /// What there is room for at the same time.

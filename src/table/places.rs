@@ -15,11 +15,12 @@ use rayon::prelude::*;
 use super::cases::{Case, Table};
 use super::document::SideKey;
 use super::making::{CaseWork, PlaceRecord, Ready, Settings};
-use super::shared::Common;
+use super::shared::{Common, nominal, shares};
 use super::turns::{Pairs, in_turn};
 use crate::engine::store::Store;
 use crate::results::bodies::estimate::{self, GIB, Resources, Work};
 use crate::results::bodies::input::SolidsInput;
+use crate::study::parts as parts_of;
 
 /// A pair at one shift of the wheelset.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -123,8 +124,13 @@ impl<'a> Places<'a> {
         let bodies = |part: usize| {
             let of = |case: &usize| {
                 let Case { study, parts, .. } = &self.table.cases[*case];
-                let measured = study.rail.measured.is_some() || study.wheel.measured.is_some();
-                (&parts[part], measured)
+                match shares(study, self.table.document.bodies) {
+                    true => (parts_of(&nominal(study).statics())[part].clone(), true),
+                    false => {
+                        let measured = study.rail.measured.is_some() || study.wheel.measured.is_some();
+                        (parts[part].clone(), measured)
+                    }
+                }
             };
             missing.keys().map(of).collect::<BTreeSet<_>>().len()
         };

@@ -216,7 +216,15 @@ impl Row {
             }
             let bodies = record.bodies.as_ref();
             self.put("bodies", bodies.map_or("", |bodies| bodies.of.name()));
-            self.put("off_bodies_mm", bodies.and_then(|bodies| bodies.off_mm));
+            let carried = bodies.and_then(|bodies| bodies.carried.as_ref());
+            self.put("off_bodies_mm", carried.map(|carried| carried.off_mm));
+            self.put("displacement_rel_bodies_band", carried.map(|carried| carried.displacement_rel_band));
+            self.put("stiffness_rel_bodies_band", carried.map(|carried| carried.tangent_rel_band));
+            self.put("horizontal_rel_bodies_band", carried.map(|carried| carried.horizontal_rel_band));
+            let own = carried.and_then(|carried| carried.own);
+            self.put("displacement_rel_own_bodies", own.map(|own| own.displacement));
+            self.put("stiffness_rel_own_bodies", own.map(|own| own.tangent));
+            self.put("horizontal_rel_own_bodies", own.map(|own| own.horizontal));
         }
     }
 
@@ -243,13 +251,15 @@ impl Row {
         let in_use = with(reference(case));
         let local = with(railspring_calibrate::calibration::Reference::Local.name());
         let band = at.and_then(|at| record.at.band(reference(case), at.force_kn));
+        let carried = record.bodies.as_ref().and_then(|bodies| bodies.carried.as_ref());
+        let of_bodies = carried.map_or(0.0, |carried| carried.tangent_rel_band);
         let number = loads.iter().position(|load| *load == load_kn);
         let hertz = number.and_then(|number| record.hertz_kn_per_m.get(number).copied());
         let share = at.and_then(|at| Some(at.lateral_contact_um_per_kn? * 1e-6 * at.horizontal_kn_per_m));
         let mut put = |name: &str, value: Option<f64>| self.put(format_args!("{name}_at_{load_kn}kn"), value);
         put("displacement_mm", in_use.map(|at| at.displacement_mm));
         put("stiffness_kn_per_m", in_use.map(|at| at.tangent_kn_per_m));
-        put("stiffness_rel_error_band", band.and_then(|band| band.tangent));
+        put("stiffness_rel_error_band", band.and_then(|band| Some(band.tangent?.hypot(of_bodies))));
         put("local_stiffness_kn_per_m", local.map(|at| at.tangent_kn_per_m));
         put("hertz_normal_stiffness_kn_per_m", hertz);
         put("horizontal_kn_per_m", at.map(|at| at.horizontal_kn_per_m));

@@ -43,6 +43,22 @@ pub(super) struct OnBodies {
     pub coarser: Option<(f64, CoarserBodies)>,
 }
 
+/// Whether a study has measured surfaces on bodies of standards, and its table wants those of the standards.
+pub(super) fn shares(study: &Study, bodies: BodiesKey) -> bool {
+    let Study { rail, wheel, .. } = study;
+    let measured = rail.measured.is_some() || wheel.measured.is_some();
+    let drawn = rail.section.is_some() || wheel.section.is_some() || rail.body.is_some();
+    bodies == BodiesKey::Nominal && measured && !drawn && study.statics().meshes_are_ours()
+}
+
+/// A study without its measured surfaces; where it does not name their standards, these are missing. Its contact zones go down as far as those of measured profiles.
+pub(super) fn nominal(study: &Study) -> Study {
+    let mut nominal = study.clone();
+    nominal.mesh.rail_zone.face_depth += DEEPER;
+    (nominal.rail.measured, nominal.wheel.measured) = (None, None);
+    nominal
+}
+
 /// A case on the bodies of its nominal profiles.
 pub(super) struct Sharing {
     /// The case with its standards in the place of its measured profiles.
@@ -58,21 +74,17 @@ impl Sharing {
     /// Those of its files.
     pub fn of(study: &Study, bodies: BodiesKey) -> Result<Option<Self>> {
         let Study { rail, wheel, .. } = study;
-        let measured = rail.measured.is_some() || wheel.measured.is_some();
-        let drawn = rail.section.is_some() || wheel.section.is_some() || rail.body.is_some();
-        if bodies == BodiesKey::Own || !measured || drawn || !study.statics().meshes_are_ours() {
+        if !shares(study, bodies) {
             return Ok(None);
         }
         let surfaces = Surfaces::read(study.statics())?;
-        let mut nominal = study.clone();
-        // as deep as the zones of measured profiles go
-        nominal.mesh.rail_zone.face_depth += DEEPER;
+        let mut nominal = nominal(study);
         let bases = [surfaces.rail.assumed.as_ref(), surfaces.wheel.assumed.as_ref()];
         let [of_rail, of_wheel] = bases.map(|assumed| assumed.map(|assumed| assumed.base.clone()));
-        if nominal.rail.measured.take().is_some() {
+        if rail.measured.is_some() {
             nominal.rail.profile = of_rail;
         }
-        if nominal.wheel.measured.take().is_some() {
+        if wheel.measured.is_some() {
             nominal.wheel.profile = of_wheel;
         }
         Ok(Some(Self { nominal, surfaces }))

@@ -48,7 +48,8 @@ impl Departure {
     /// # Errors
     /// [`InputError`] for surfaces that would lie farther than [`FARTHEST`] off their bodies, and those of [`Pair::with_surfaces`].
     pub fn pair(&self, pair: &Pair, track: &TrackGeometry) -> Result<Pair> {
-        let off = pair.off_bodies + self.off_bodies(pair);
+        // surfaces on the bodies of others lie off them already, which has a band of its own
+        let off = self.off_bodies(pair);
         if off > FARTHEST {
             return InputError::refuse(
                 "departure",
@@ -74,6 +75,7 @@ impl Departure {
             radius: pair.wheel.radius + self.radius,
             ..pair.wheel.clone()
         };
+        let off = pair.off_bodies + off;
         Ok(Pair { off_bodies: off, ..pair.with_surfaces_at(rail, wheel, track, pair.tape_y + self.lateral)? })
     }
 

@@ -4,6 +4,7 @@ use super::*;
 use railspring_calibrate::analytic::hertz::point_contact;
 use railspring_calibrate::contact::resultant;
 use railspring_profiles::root::bisection;
+use std::sync::Arc;
 
 /// Radii of the rail's crown and of the wheel's hollow across the track, and of the wheel, m.
 const RADII: [f64; 2] = [0.1, 0.2];
@@ -48,9 +49,10 @@ impl Springs {
             })
             .collect();
         let springs = [self.compliance[0], self.compliance[1], self.turning];
+        let compliance = Arc::make_mut(&mut body.compliance);
         for (c, column) in rows.iter().enumerate() {
             for (r, row) in rows.iter().enumerate() {
-                body.compliance[(r, c)] += (0..3).map(|k| row[k] * springs[k] * column[k]).sum::<f64>();
+                compliance[(r, c)] += (0..3).map(|k| row[k] * springs[k] * column[k]).sum::<f64>();
             }
         }
     }
