@@ -101,7 +101,7 @@ pub fn section(bodies: &Bodies<'_>, shapes: &Shapes<'_>) -> Section {
     let all = outliers(bodies);
     let found: Vec<&Outlier> = all.iter().filter(|outlier| outlier.score.abs() > OUTLIER).collect();
     section.text.push(format!(
-        "Each value is compared with those of all other {} under the same conditions: its distance from their median, in deviations. A deviation is 1.4826 times the median distance, which is the standard deviation of a normal distribution. Beyond {OUTLIER} deviations a value is an outlier; {} of {} {} have one.",
+        "Each value is compared with those of all other {} under the same conditions: its distance from their median, in deviations. A deviation is 1.4826 times the median distance, which is the standard deviation of a normal distribution; where half of the values are equal it is 1.2533 times the mean distance. Beyond {OUTLIER} deviations a value is an outlier; {} of {} {} have one.",
         kind.several(),
         found.len(),
         bodies.bodies.len(),

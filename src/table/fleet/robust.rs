@@ -6,6 +6,8 @@ use std::ops::Range;
 const TWO_SIDED_95: f64 = 1.959_964;
 /// Standard deviation of a normal distribution over its median absolute deviation.
 const NORMAL: f64 = 1.482_602;
+/// The same over its mean absolute deviation.
+const NORMAL_OF_MEAN: f64 = 1.253_314;
 /// Most points of a group of a line; the pairs grow with their square.
 const POINTS: usize = 1000;
 
@@ -35,7 +37,8 @@ pub fn band(values: impl IntoIterator<Item = f64>) -> Option<[f64; 3]> {
 pub struct Spread {
     /// The median.
     pub median: f64,
-    /// The median absolute deviation, as the standard deviation of a normal distribution that has it.
+    /// The median absolute deviation, as the standard deviation of a normal distribution that has it; the mean one where half of the
+    /// values are equal, as measures of wear that begin at zero (Iglewicz and Hoaglin 1993).
     pub deviation: f64,
 }
 
@@ -45,14 +48,19 @@ impl Spread {
         let values = sorted(values);
         let median = quantile(&values, 0.5)?;
         let off = sorted(values.iter().map(|value| (value - median).abs()));
-        Some(Self { median, deviation: NORMAL * quantile(&off, 0.5)? })
+        let of_median = NORMAL * quantile(&off, 0.5)?;
+        // what rounding leaves of equal values is no spread
+        let least = 1e-12 * median.abs();
+        let deviation = match of_median > least {
+            true => of_median,
+            false => NORMAL_OF_MEAN * off.iter().sum::<f64>() / off.len() as f64,
+        };
+        Some(Self { median, deviation: if deviation > least { deviation } else { 0.0 } })
     }
 
-    /// How many deviations a value is from the median; none where half of all values are equal.
+    /// How many deviations a value is from the median; none where all values are equal.
     pub fn score(&self, value: f64) -> Option<f64> {
-        // what rounding leaves of equal values is no spread
-        let least = 1e-12 * self.median.abs();
-        (self.deviation > least).then(|| (value - self.median) / self.deviation)
+        (self.deviation > 0.0).then(|| (value - self.median) / self.deviation)
     }
 }
 
@@ -163,7 +171,10 @@ mod tests {
         assert_eq!(spread.median, 3.0);
         assert!((spread.deviation - NORMAL).abs() < ROUNDOFF);
         assert!((spread.score(100.0).unwrap() - 97.0 / NORMAL).abs() < ROUNDOFF);
-        assert_eq!(Spread::of([5.0, 5.0, 5.0, 6.0]).unwrap().score(6.0), None);
+        // half are equal: the mean deviation is a quarter
+        let score = Spread::of([5.0, 5.0, 5.0, 6.0]).unwrap().score(6.0).unwrap();
+        assert!((score - 4.0 / NORMAL_OF_MEAN).abs() < ROUNDOFF);
+        assert_eq!(Spread::of([5.0, 5.0, 5.0 + 1e-15]).unwrap().score(6.0), None);
     }
 
     /// Source: closed: the slopes of (0, 0), (1, 1), (2, 3) are 1, 2 and 1.5. Goal: their median; a line with a wild point; groups of different levels. Exact.

@@ -20,7 +20,7 @@ pub struct Trend {
     pub vehicle: String,
     /// Its slope per 100,000 km or per year.
     pub slope: Slope,
-    /// Deviations of the slopes of all vehicles by which it is from their median; none where half of them are equal.
+    /// Deviations of the slopes of all vehicles by which it is from their median; none where all are equal.
     pub score: Option<f64>,
 }
 
@@ -42,9 +42,9 @@ pub fn section(bodies: &Bodies<'_>) -> Section {
         return section;
     };
     section.text.push(format!(
-        "The slope is the median of the slopes between measurements of one {} ({}), or of one {group} where each was measured once. Its interval is of 95 %; it is left out where there are too few measurements for one. A {group} stands higher the farther its slope is from the median of all. Reprofiling counts as a change like any other.",
-        bodies.kind.name(),
-        "Theil and Sen"
+        "The slope is the median of the slopes between measurements ({}): of one {}, or of one {group} where each was measured once. Its interval is of 95 %; it is left out where there are too few measurements for one. A {group} stands higher the farther its slope is from the median of all. Reprofiling counts as a change like any other.",
+        "Theil and Sen",
+        bodies.kind.name()
     ));
     section.text.push(format!("Conditions: {}.", or_all(bodies.main_in_words())));
     for quantity in bodies.quantities.iter().filter(|quantity| quantity.role.is_some()) {
