@@ -4,13 +4,13 @@
 //! * [`Places`]: the places of all cases, taken from the store or made, each kept there by itself;
 //! * [`SentCase`], [`Work`]: a case and a step of it as another machine gets them;
 //! * [`rows`]: what `table.csv` has of a place; [`changes`]: what is different from an earlier table;
-//! * [`record()`]: `table.json`; [`page()`]: `table.html`.
+//! * [`record()`]: `table.json`; [`page()`]: `table.html`; [`fleet`]: what there is to see in many measured profiles.
 
 pub mod document;
 mod bodies;
 mod cases;
 mod shared;
-mod measured;
+mod surfaces;
 mod carried;
 mod making;
 mod turns;
@@ -20,13 +20,16 @@ pub mod rows;
 pub mod changes;
 mod record;
 mod page;
+pub mod fleet;
+mod measured;
 
 pub use carried::{BodiesRecord, CarriedRecord, OwnRecord};
 pub use cases::{Case, Table};
 pub use document::TableDocument;
 pub use making::PlaceRecord;
-pub use measured::{DeviationRecord, MeasuredRecord, RailRecord, WheelRecord};
+pub use measured::about;
 pub use page::page;
 pub use places::{Place, Places, Plan};
 pub use record::{CaseRecord, FileRecord, PlaceEntry, TableRecord, record};
+pub use surfaces::{DeviationRecord, MeasuredRecord, RailRecord, WheelRecord};
 pub use work::{Answer, SentCase, Work};

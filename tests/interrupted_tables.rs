@@ -99,7 +99,7 @@ fn copy(from: &Path, to: &Path) {
 
 fn files(out: &Path) -> Files {
     let read = |name| Some((name, std::fs::read(out.join(name)).ok()?));
-    ["table.csv", "table.json", "table.html"].into_iter().filter_map(read).collect()
+    ["table.csv", "table.json", "table.html", "table.parquet"].into_iter().filter_map(read).collect()
 }
 
 fn killed(kills: usize) {

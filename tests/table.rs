@@ -279,6 +279,33 @@ fn a_case_that_fails_is_a_row() {
     assert!(page.contains("4 places: 1 complete") && page.contains("May/notes"));
 }
 
+/// Goal: 21 measured wheels are a fleet with a page, also beside an earlier table; 20 have none, and that of an earlier table goes. Every table
+/// has its rows as Parquet.
+#[test]
+fn many_measured_wheels_have_a_page() {
+    let place = Place::new(TABLE);
+    std::fs::create_dir(place.path("measured")).unwrap();
+    for wheel in 1..=21 {
+        std::fs::copy(place.path("worn.whl"), place.path(&format!("measured/w{wheel:02}.whl"))).unwrap();
+    }
+    place.write(
+        "folder.toml",
+        "name = \"folder\"\nbase = \"base.toml\"\nshifts_mm = [0]\nstiffness_at_kn = [20]\n\
+         [[wheel]]\nname = \"May\"\nfolder = \"measured\"\nstandard = \"S1002\"\n[[rail]]\nprofile = \"60E1\"\n",
+    );
+    let said = place.table("folder.toml", "out", &[]);
+    assert!(said.contains("table_fleet.html"), "{said}");
+    let page = || std::fs::read_to_string(place.path("out/table_fleet.html")).unwrap();
+    assert!(page().contains("21 places: 21 complete") && page().contains("0 wheels are known"));
+    assert!(!place.path("out/table_typical.toml").exists(), "no shapes are known");
+    place.table("folder.toml", "out", &["--diff", "out/table.csv"]);
+    assert!(page().contains("21 of 21 wheels are in the earlier table"), "{}", page());
+    std::fs::remove_file(place.path("measured/w21.whl")).unwrap();
+    place.table("folder.toml", "out", &[]);
+    assert!(!place.path("out/table_fleet.html").exists());
+    assert_eq!(&std::fs::read(place.path("out/table.parquet")).unwrap()[..4], b"PAR1");
+}
+
 /// Goal: what is wrong in a table is said with its file and line, all of it, before anything is made; a file that is no table is no
 /// earlier table.
 #[test]

@@ -30,6 +30,6 @@ impl Place {
     /// The files of the table in a folder.
     pub fn files(&self, out: &str) -> BTreeMap<&'static str, Vec<u8>> {
         let read = |name| (name, std::fs::read(self.path(out).join(name)).unwrap());
-        ["table.csv", "table.json", "table.html"].map(read).into()
+        ["table.csv", "table.json", "table.html", "table.parquet"].map(read).into()
     }
 }

@@ -16,13 +16,16 @@ use crate::engine::output::{OutputFolder, to_json};
 use crate::engine::store::Store;
 use crate::results::bodies::estimate::Resources;
 use crate::table::rows::{Rows, Status};
-use crate::table::{Places, Table, changes, page, record};
+use crate::table::{Places, Table, about, changes, fleet, page, record};
 
 /// Files of a table.
 const ROWS: &str = "table.csv";
 const RECORD: &str = "table.json";
 const PAGE: &str = "table.html";
 const CHANGES: &str = "table_changes.csv";
+const COLUMNS: &str = "table.parquet";
+const FLEET: &str = "table_fleet.html";
+const TYPICAL: &str = "table_typical.toml";
 
 /// The table and where its results go.
 #[derive(Debug, Args)]
@@ -159,11 +162,25 @@ fn made(args: &TableArgs, table: &Table) -> Result<bool, Error> {
     let rows = Rows::of(table, &made);
     // the earlier one may be the very file that is written next
     let changes = args.diff.as_ref().map(|earlier| changes::since(earlier, &rows)).transpose()?;
+    let earlier = args.diff.as_ref().map(|earlier| fleet::earlier(earlier)).transpose()?;
+    let about = about(table, &args.table, &path, earlier.as_ref());
+    // the shapes of the rows
+    let shapes: Vec<Option<fleet::Shape>> = Vec::new();
+    let fleet = fleet::page(&rows, &shapes, &about);
     let page = page(&table.document.name, &table.document.description, &rows);
-    let mut files =
-        vec![(ROWS, rows.csv()), (RECORD, to_json(&record(table, &made))), (PAGE, page.into_bytes())];
+    let mut files = vec![
+        (ROWS, rows.csv()),
+        (COLUMNS, fleet::parquet(&rows)),
+        (RECORD, to_json(&record(table, &made))),
+        (PAGE, page.into_bytes()),
+    ];
     files.extend(changes.iter().map(|changes| (CHANGES, changes.csv())));
+    let (html, typical) = fleet.map_or((None, None), |pages| (Some(pages.html), pages.typical));
+    let of_fleet = [(FLEET, html), (TYPICAL, typical)];
+    files.extend(of_fleet.iter().filter_map(|(name, text)| Some((*name, text.clone()?.into_bytes()))));
     folder.write_together(&files)?;
+    // those of an earlier table of this name say nothing of this one
+    of_fleet.iter().filter(|(_, text)| text.is_none()).try_for_each(|(name, _)| folder.remove(name))?;
     let with = |status: Status| made.iter().filter(|(_, record)| Status::of(record) == status).count();
     let [complete, early, failed] = [Status::Complete, Status::EndsEarly, Status::Failed].map(with);
     let count = format!(
@@ -171,11 +188,14 @@ fn made(args: &TableArgs, table: &Table) -> Result<bool, Error> {
         made.len()
     );
     let changed: Vec<String> = changes.iter().flat_map(changes::Changes::lines).collect();
+    let is_fleet = of_fleet.iter().any(|(_, text)| text.is_some());
+    let fleet = is_fleet
+        .then(|| format!("the measured profiles beside each other: {}", folder.file(FLEET).display()));
     let more = json!({
         "places": made.len(), "complete": complete, "ends_early": early, "failed": failed, "changes": changed
     });
     results
-        .with_more([count].into_iter().chain(changed).collect(), more)
+        .with_more([count].into_iter().chain(fleet).chain(changed).collect(), more)
         .at(&folder.file(PAGE))
         .holding(failed == 0)
         .print(json, args.work.quiet)?;

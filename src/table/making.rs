@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::carried::{BodiesRecord, OwnRecord, is_checked};
 use super::document::{BodiesKey, DirectionKey, TableDocument};
-use super::measured::MeasuredRecord;
+use super::surfaces::MeasuredRecord;
 use super::shared::{Common, OnBodies, Sharing};
 use crate::engine::output::to_json;
 use crate::engine::store::{Address, Artefact, Kind, Store};

@@ -1,156 +1,137 @@
-//! What a measured surface of a table is, beside the springs that it makes: its wear, its deviation from its standard, and the running of a wheelset on it.
+//! Which wheels and rails of a table are measured, and how another table names them.
 
-use railspring_calibrate::pair::Pair;
-use railspring_profiles::error::Result;
-use railspring_profiles::placement::touch;
-use railspring_profiles::profile_placement::{RailWear, Reference, WheelWear, rail_wear, wheel_wear};
-use railspring_profiles::rigid_contact::{RunningFunction, RunningPoint};
-use railspring_profiles::units::MILLIMETRE;
-use serde::{Deserialize, Serialize};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Component, Path, PathBuf};
 
-use crate::results::bodies::geometry::Geometry;
-use crate::results::bodies::places::tape_y;
-use crate::results::bodies::surface_figure::OnStandard;
-use crate::study::Statics;
+use serde_json::{Map, Value};
 
-/// Amplitudes of the equivalent conicity, mm.
-pub(super) const AMPLITUDES_MM: [f64; 5] = [1.0, 2.0, 3.0, 4.0, 5.0];
-/// Largest shift of the running function, and the step between its points, m.
-const RANGE: f64 = 8.0 * MILLIMETRE;
-const STEPS: i32 = 32;
-/// Distance of the points of a deviation along the profile, m.
-const APART: f64 = 2.5 * MILLIMETRE;
-/// How near to such a point the profile must have been measured, m.
-const NEAR: f64 = 2.0 * MILLIMETRE;
+use super::bodies::beside;
+use super::cases::{Case, Table};
+use super::fleet::About;
+use super::rows::Rows;
 
-/// The measured surfaces of a pair, and how a wheelset of two such wheels runs on two such rails.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct MeasuredRecord {
-    /// The wheel, if it was measured.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub wheel: Option<WheelRecord>,
-    /// The rail, if it was measured.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub rail: Option<RailRecord>,
-    /// Equivalent conicity (EN 15302) at the amplitudes 1 to 5 mm, the axle level; none where the wheelset does not swing so far.
-    pub conicity: Vec<Option<f64>>,
-}
-
-/// A measured wheel; lengths in mm, none where the profile does not reach.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct WheelRecord {
-    /// Sh.
-    pub flange_height_mm: Option<f64>,
-    /// Sd.
-    pub flange_thickness_mm: Option<f64>,
-    /// qR.
-    pub flange_slope_mm: Option<f64>,
-    /// Radius that is missing at the tape circle.
-    pub tread_wear_mm: Option<f64>,
-    /// Hollow of the tread.
-    pub hollow_mm: Option<f64>,
-    /// Its deviation from its standard.
-    pub deviation: DeviationRecord,
-}
-
-/// A measured rail, likewise.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct RailRecord {
-    /// Height that is missing on the axis.
-    pub vertical_wear_mm: Option<f64>,
-    /// Width that is missing at the gauge face, 14 mm below the top of the new rail.
-    pub lateral_wear_mm: Option<f64>,
-    /// Its deviation from its standard.
-    pub deviation: DeviationRecord,
-}
-
-/// A surface against its standard, at places of the standard that are the same for all of its files.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct DeviationRecord {
-    /// Lateral places in the frame of the standard, mm.
-    pub y_mm: Vec<f64>,
-    /// Material that is missing there, µm; none where nothing was measured.
-    pub missing_um: Vec<Option<f64>>,
-}
-
-impl MeasuredRecord {
-    /// That of the pair of a study; none where neither was measured.
-    pub fn of(statics: Statics<'_>, geometry: &Geometry) -> Option<Self> {
-        let [of_rail, of_wheel] = &geometry.assumed;
-        let (rail_base, wheel_base) = &geometry.bases;
-        let on = |body: &str| geometry.surfaces.iter().find(|surface| surface.body == body);
-        let wheel =
-            of_wheel.as_ref().zip(on("wheel")).zip(wheel_base.as_ref()).map(|((assumed, surface), base)| {
-                let reference = Reference::wheel(base);
-                let WheelWear { flange_height, flange_thickness, flange_slope, tread, hollow } =
-                    wheel_wear(&assumed.curve, &reference);
-                WheelRecord {
-                    flange_height_mm: in_mm(flange_height),
-                    flange_thickness_mm: in_mm(flange_thickness),
-                    flange_slope_mm: in_mm(flange_slope),
-                    tread_wear_mm: in_mm(tread),
-                    hollow_mm: in_mm(hollow),
-                    deviation: deviation(&reference, surface),
-                }
-            });
-        let rail =
-            of_rail.as_ref().zip(on("rail")).zip(rail_base.as_ref()).map(|((assumed, surface), base)| {
-                let reference = Reference::rail(base);
-                let RailWear { vertical, lateral } = rail_wear(&assumed.curve, &reference);
-                RailRecord {
-                    vertical_wear_mm: in_mm(vertical),
-                    lateral_wear_mm: in_mm(lateral),
-                    deviation: deviation(&reference, surface),
-                }
-            });
-        if wheel.is_none() && rail.is_none() {
-            return None;
-        }
-        let running = running(statics, &geometry.pair);
-        let conicity = |mm: &f64| running.as_ref().ok()?.equivalent_conicity(mm * MILLIMETRE);
-        Some(Self { wheel, rail, conicity: AMPLITUDES_MM.iter().map(conicity).collect() })
-    }
-}
-
-/// To the nanometre.
-fn in_mm(length: Option<f64>) -> Option<f64> {
-    length.map(|length| (1e6 * length / MILLIMETRE).round() * 1e-6)
-}
-
-/// Rolling-radius difference of a wheelset of equal sides, its axle level.
-fn running(statics: Statics<'_>, pair: &Pair) -> Result<RunningFunction> {
-    let radius = |step: i32| -> Result<f64> {
-        let shift = RANGE * f64::from(step) / f64::from(STEPS);
-        let at = touch(&pair.placed, &pair.wheel.running, tape_y(statics, pair, shift))?;
-        Ok(pair.wheel.running.point(at.wheel_s).y)
+/// What the page of a fleet needs to know of a table; the table is the file `path`, a table of typical wheels will be in `folder`.
+pub fn about<'a>(table: &'a Table, path: &Path, folder: &Path, earlier: Option<&'a Rows>) -> About<'a> {
+    let names = |is_measured: fn(&Case) -> bool, name: fn(&Case) -> &String| -> BTreeSet<String> {
+        table.cases.iter().filter(|case| is_measured(case)).map(|case| name(case).clone()).collect()
     };
-    let radii: Vec<f64> = (-STEPS..=STEPS).map(radius).collect::<Result<_>>()?;
-    let points = radii.iter().zip(radii.iter().rev()).zip(-STEPS..=STEPS).map(|((right, left), step)| {
-        let shift = RANGE * f64::from(step) / f64::from(STEPS);
-        RunningPoint { shift, difference: right - left }
-    });
-    RunningFunction::from_points(points.collect())
+    let mut keys: BTreeMap<String, Map<String, Value>> = BTreeMap::new();
+    for case in table.cases.iter().filter(|case| case.study.wheel.measured.is_some()) {
+        keys.entry(case.wheel.clone()).or_insert_with(|| {
+            let own = case.keys.get("wheel").and_then(Value::as_object).cloned().unwrap_or_default();
+            moved(&own, path, folder)
+        });
+    }
+    let document = serde_json::to_value(&table.document).unwrap_or_default();
+    let mut rest = moved(document.as_object().unwrap_or(&Map::new()), path, folder);
+    // other wheels take their place, and cases would name them
+    rest.retain(|key, value| !["name", "description", "wheel", "case"].contains(&&**key) && !value.is_null());
+    About {
+        name: &table.document.name,
+        description: &table.document.description,
+        wheels: names(|case| case.study.wheel.measured.is_some(), |case| &case.wheel),
+        rails: names(|case| case.study.rail.measured.is_some(), |case| &case.rail),
+        keys,
+        table: rest,
+        earlier,
+    }
 }
 
-/// The points of a surface beside places along its standard, between the two nearest.
-fn deviation(reference: &Reference, surface: &OnStandard) -> DeviationRecord {
-    let [from, to] = reference.running;
-    let parts = ((to - from) / APART).floor() as usize;
-    let measured = &surface.measured;
-    let mut record = DeviationRecord::default();
-    for part in 1..parts {
-        let along = part as f64 * APART;
-        let point = reference.curve.point(from + along);
-        record.y_mm.push((1e3 * point.x / MILLIMETRE).round() * 1e-3);
-        let after = measured.partition_point(|p| p.along < along);
-        let around =
-            after.checked_sub(1).and_then(|before| Some((measured.get(before)?, measured.get(after)?)));
-        let missing =
-            around.filter(|(before, after)| along - before.along < NEAR && after.along - along < NEAR);
-        record.missing_um.push(missing.map(|(before, after)| {
-            let part = (along - before.along) / (after.along - before.along).max(f64::MIN_POSITIVE);
-            (1e6 * (before.missing + part * (after.missing - before.missing))).round()
-        }));
+/// Keys whose files are named relative to another folder than that of the table.
+fn moved(keys: &Map<String, Value>, table: &Path, folder: &Path) -> Map<String, Value> {
+    let is_file = |key: &str| key == "folder" || key == "base" || key.ends_with("_file");
+    let of = |(key, value): (&String, &Value)| (key.clone(), renamed(value, is_file(key), table, folder));
+    keys.iter().map(of).collect()
+}
+
+/// A value with the files in it named anew: its texts if they are files, and the keys in it.
+fn renamed(value: &Value, is_file: bool, table: &Path, folder: &Path) -> Value {
+    match value {
+        Value::String(file) if is_file => relative(&beside(table, file), folder).into(),
+        Value::Array(values) => values.iter().map(|value| renamed(value, is_file, table, folder)).collect(),
+        Value::Object(keys) => Value::Object(moved(keys, table, folder)),
+        other => other.clone(),
     }
-    record
+}
+
+/// A file as it is named in a folder; both as the working directory names them.
+fn relative(file: &Path, folder: &Path) -> String {
+    let [file, folder] = [file, folder].map(whole);
+    let shared = file.components().zip(folder.components()).take_while(|(a, b)| a == b).count();
+    let up = folder.components().skip(shared).map(|_| Component::ParentDir);
+    let named: PathBuf = up.chain(file.components().skip(shared)).collect();
+    named.to_string_lossy().replace('\\', "/")
+}
+
+/// The path from the root, without links where it exists.
+fn whole(path: &Path) -> PathBuf {
+    path.canonicalize().or_else(|_| std::path::absolute(path)).unwrap_or_else(|_| path.to_path_buf())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::table::fleet::{Shape, page};
+
+    /// Goal: files, folders and the base are named from the new folder, in sections and lists too; other texts stay.
+    #[test]
+    fn files_are_named_from_another_folder() {
+        let root = tempfile::tempdir().unwrap();
+        for folder in ["data/m", "out/fleet"] {
+            std::fs::create_dir_all(root.path().join(folder)).unwrap();
+        }
+        let keys = serde_json::json!({
+            "base": "b.toml", "profile": "S1002", "rail": [{ "profile_file": "m/r.prr", "standard": "60E1" }],
+            "study": { "wheel": { "section_file": ["m/s.toml"] } }, "shifts_mm": [1]
+        });
+        let moved = moved(
+            keys.as_object().unwrap(),
+            &root.path().join("data/t.toml"),
+            &root.path().join("out/fleet"),
+        );
+        let expected = serde_json::json!({
+            "base": "../../data/b.toml", "profile": "S1002",
+            "rail": [{ "profile_file": "../../data/m/r.prr", "standard": "60E1" }],
+            "study": { "wheel": { "section_file": ["../../data/m/s.toml"] } }, "shifts_mm": [1]
+        });
+        assert_eq!(Value::Object(moved), expected);
+    }
+
+    /// Goal: of a table with a folder of 21 measured wheels the typical ones are a table that can be read in another folder, with the same
+    /// rails, loads and base; a standard wheel is no measured one.
+    #[test]
+    fn typical_wheels_are_a_table_that_can_be_read() {
+        let root = tempfile::tempdir().unwrap();
+        let path = |name: &str| root.path().join(name);
+        for folder in ["data/measured", "out/fleet"] {
+            std::fs::create_dir_all(path(folder)).unwrap();
+        }
+        for wheel in 0..21 {
+            let file = path(&format!("data/measured/w{wheel:02}.whl"));
+            std::fs::write(file, include_str!("../../data/profiles/worn-s1002.whl")).unwrap();
+        }
+        let base = "name = \"base\"\n[wheel]\nprofile = \"S1002\"\n[rail]\nprofile = \"60E1\"\n[contact]\nfriction = 0.25\n";
+        std::fs::write(path("data/base.toml"), base).unwrap();
+        let text = "name = \"fleet\"\nbase = \"base.toml\"\nstiffness_at_kn = [20, 60]\n\
+            [[wheel]]\nname = \"May\"\nfolder = \"measured\"\nstandard = \"S1002\"\n\
+            [[wheel]]\nprofile = \"S1002\"\n[[rail]]\nprofile = \"60E1\"\ninclination = \"1:20\"\n";
+        let table = Table::parse(&path("data/table.toml"), text).unwrap();
+        let about = about(&table, &path("data/table.toml"), &path("out/fleet"), None);
+        assert_eq!((about.wheels.len(), about.rails.len()), (21, 0));
+        let rows = table.cases.iter().map(|case| vec![case.wheel.as_str().into()]).collect();
+        let rows = Rows { columns: vec!["wheel".into()], rows };
+        let shape = |at: usize| {
+            let off = if at.is_multiple_of(2) { 100.0 } else { 900.0 };
+            Some(Shape { y_mm: vec![0.0, 1.0], off_um: vec![off + at as f64, off] })
+        };
+        let shapes: Vec<Option<Shape>> = (0..rows.rows.len()).map(shape).collect();
+        let typical = page(&rows, &shapes, &about).unwrap().typical.unwrap();
+        std::fs::write(path("out/fleet/table_typical.toml"), &typical).unwrap();
+        let read = Table::read(&path("out/fleet/table_typical.toml")).unwrap_or_else(|_| panic!("{typical}"));
+        assert_eq!((read.cases.len(), &*read.cases[0].rail), (2, "60E1"), "{typical}");
+        assert_eq!(read.document.stiffness_at_kn, [20.0, 60.0]);
+        let study = &read.cases[0].study;
+        assert_eq!((study.contact.friction, study.rail.inclination), (0.25, 0.05));
+        assert_eq!(read.cases[0].parts[0], table.cases[0].parts[0], "the same wheel");
+    }
 }

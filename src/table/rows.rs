@@ -10,7 +10,7 @@ use serde_json::Value;
 
 use super::cases::{Case, Table};
 use super::making::{PlaceRecord, is_uncertain};
-use super::measured::AMPLITUDES_MM;
+use super::surfaces::AMPLITUDES_MM;
 use super::places::Place;
 use crate::engine::columns::{Cell, csv_of_texts};
 use crate::results::by_angle::record::AngleLawRecord;
