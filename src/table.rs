@@ -27,7 +27,7 @@ pub use carried::{BodiesRecord, CarriedRecord, OwnRecord};
 pub use cases::{Case, Table};
 pub use document::TableDocument;
 pub use making::PlaceRecord;
-pub use measured::about;
+pub use measured::{about, shapes};
 pub use page::page;
 pub use places::{Place, Places, Plan};
 pub use record::{CaseRecord, FileRecord, PlaceEntry, TableRecord, record};

@@ -16,7 +16,7 @@ use crate::engine::output::{OutputFolder, to_json};
 use crate::engine::store::Store;
 use crate::results::bodies::estimate::Resources;
 use crate::table::rows::{Rows, Status};
-use crate::table::{Places, Table, about, changes, fleet, page, record};
+use crate::table::{Places, Table, about, changes, fleet, page, record, shapes};
 
 /// Files of a table.
 const ROWS: &str = "table.csv";
@@ -164,9 +164,7 @@ fn made(args: &TableArgs, table: &Table) -> Result<bool, Error> {
     let changes = args.diff.as_ref().map(|earlier| changes::since(earlier, &rows)).transpose()?;
     let earlier = args.diff.as_ref().map(|earlier| fleet::earlier(earlier)).transpose()?;
     let about = about(table, &args.table, &path, earlier.as_ref());
-    // the shapes of the rows
-    let shapes: Vec<Option<fleet::Shape>> = Vec::new();
-    let fleet = fleet::page(&rows, &shapes, &about);
+    let fleet = fleet::page(&rows, &shapes(&made), &about);
     let page = page(&table.document.name, &table.document.description, &rows);
     let mut files = vec![
         (ROWS, rows.csv()),

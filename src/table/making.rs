@@ -10,9 +10,8 @@ use serde::{Deserialize, Serialize};
 
 use super::carried::{BodiesRecord, OwnRecord, is_checked};
 use super::document::{BodiesKey, DirectionKey, TableDocument};
-use super::surfaces::MeasuredRecord;
 use super::shared::{Common, OnBodies, Sharing};
-use crate::engine::output::to_json;
+use super::surfaces::MeasuredRecord;
 use crate::engine::store::{Address, Artefact, Kind, Store};
 use crate::hash::key;
 use crate::results::bodies::estimate::{self, Resources, Room, Work};
@@ -352,7 +351,8 @@ impl CaseWork<'_> {
             uncertainty: is_uncertain(study).then(|| self.uncertainty(ready, shift, &at)).transpose()?,
             at,
         };
-        let artefact = Artefact::default().with(PLACE, to_json(&record));
+        let content = serde_json::to_vec(&record).expect("records are plain data");
+        let artefact = Artefact::default().with(PLACE, content);
         let address = settings.address(study, shift_mm);
         store.keep(&address, "place of a table", settings.name, &artefact, &|text| self.said.notice(&text));
         Ok(record)

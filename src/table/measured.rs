@@ -7,8 +7,11 @@ use serde_json::{Map, Value};
 
 use super::bodies::beside;
 use super::cases::{Case, Table};
-use super::fleet::About;
+use super::fleet::{About, Shape};
+use super::making::PlaceRecord;
+use super::places::Place;
 use super::rows::Rows;
+use super::surfaces::MeasuredRecord;
 
 /// What the page of a fleet needs to know of a table; the table is the file `path`, a table of typical wheels will be in `folder`.
 pub fn about<'a>(table: &'a Table, path: &Path, folder: &Path, earlier: Option<&'a Rows>) -> About<'a> {
@@ -35,6 +38,19 @@ pub fn about<'a>(table: &'a Table, path: &Path, folder: &Path, earlier: Option<&
         table: rest,
         earlier,
     }
+}
+
+/// The deviations of the measured wheels of places from their standards; of the rails, where no wheel was measured.
+pub fn shapes(places: &[(Place, PlaceRecord)]) -> Vec<Option<Shape>> {
+    let measured = || places.iter().map(|(_, record)| record.measured.as_ref());
+    let of_wheels = measured().flatten().any(|of| of.wheel.is_some());
+    let shape = |of: &MeasuredRecord| {
+        let wheel = of.wheel.as_ref().map(|wheel| &wheel.deviation);
+        let of = if of_wheels { wheel } else { of.rail.as_ref().map(|rail| &rail.deviation) }?;
+        let off_um = of.missing_um.iter().copied().collect::<Option<Vec<f64>>>()?;
+        Some(Shape { y_mm: of.y_mm.clone(), off_um })
+    };
+    measured().map(|of| of.and_then(shape)).collect()
 }
 
 /// Keys whose files are named relative to another folder than that of the table.

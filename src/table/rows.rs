@@ -10,8 +10,8 @@ use serde_json::Value;
 
 use super::cases::{Case, Table};
 use super::making::{PlaceRecord, is_uncertain};
-use super::surfaces::AMPLITUDES_MM;
 use super::places::Place;
+use super::surfaces::AMPLITUDES_MM;
 use crate::engine::columns::{Cell, csv_of_texts};
 use crate::results::by_angle::record::AngleLawRecord;
 use railspring_calibrate::law::Form;

@@ -20,6 +20,9 @@ const RANGE: f64 = 8.0 * MILLIMETRE;
 const STEPS: i32 = 32;
 /// Distance of the points of a deviation along the profile, m.
 const APART: f64 = 2.5 * MILLIMETRE;
+/// Lateral range of these points on a wheel and on a rail, m: what every measurement has.
+const WHEEL_RANGE: [f64; 2] = [-35.0 * MILLIMETRE, 55.0 * MILLIMETRE];
+const RAIL_RANGE: [f64; 2] = [-30.0 * MILLIMETRE, 30.0 * MILLIMETRE];
 /// How near to such a point the profile must have been measured, m.
 const NEAR: f64 = 2.0 * MILLIMETRE;
 
@@ -90,7 +93,7 @@ impl MeasuredRecord {
                     flange_slope_mm: in_mm(flange_slope),
                     tread_wear_mm: in_mm(tread),
                     hollow_mm: in_mm(hollow),
-                    deviation: deviation(&reference, surface),
+                    deviation: deviation(&reference, surface, WHEEL_RANGE),
                 }
             });
         let rail =
@@ -100,7 +103,7 @@ impl MeasuredRecord {
                 RailRecord {
                     vertical_wear_mm: in_mm(vertical),
                     lateral_wear_mm: in_mm(lateral),
-                    deviation: deviation(&reference, surface),
+                    deviation: deviation(&reference, surface, RAIL_RANGE),
                 }
             });
         if wheel.is_none() && rail.is_none() {
@@ -133,7 +136,7 @@ fn running(statics: Statics<'_>, pair: &Pair) -> Result<RunningFunction> {
 }
 
 /// The points of a surface beside places along its standard, between the two nearest.
-fn deviation(reference: &Reference, surface: &OnStandard) -> DeviationRecord {
+fn deviation(reference: &Reference, surface: &OnStandard, [least, most]: [f64; 2]) -> DeviationRecord {
     let [from, to] = reference.running;
     let parts = ((to - from) / APART).floor() as usize;
     let measured = &surface.measured;
@@ -141,6 +144,9 @@ fn deviation(reference: &Reference, surface: &OnStandard) -> DeviationRecord {
     for part in 1..parts {
         let along = part as f64 * APART;
         let point = reference.curve.point(from + along);
+        if !(least..=most).contains(&point.x) {
+            continue;
+        }
         record.y_mm.push((1e3 * point.x / MILLIMETRE).round() * 1e-3);
         let after = measured.partition_point(|p| p.along < along);
         let around =
