@@ -12,7 +12,7 @@ use super::progress::Progress;
 use super::results::Results;
 use super::work_args::{WorkArgs, take_threads};
 use crate::cluster::Cluster;
-use crate::engine::output::{OutputFolder, to_json};
+use crate::engine::output::{Content, OutputFolder};
 use crate::engine::store::Store;
 use crate::results::bodies::estimate::Resources;
 use crate::table::rows::{Rows, Status};
@@ -22,6 +22,8 @@ use crate::table::{Places, Table, about, changes, fleet, page, record, shapes};
 const ROWS: &str = "table.csv";
 const RECORD: &str = "table.json";
 const PAGE: &str = "table.html";
+/// Places of a table whose record is indented for a reader; that of more is in one line.
+const INDENTED: usize = 1000;
 const CHANGES: &str = "table_changes.csv";
 const COLUMNS: &str = "table.parquet";
 const FLEET: &str = "table_fleet.html";
@@ -166,16 +168,17 @@ fn made(args: &TableArgs, table: &Table) -> Result<bool, Error> {
     let about = about(table, &args.table, &path, earlier.as_ref());
     let fleet = fleet::page(&rows, &shapes(&made), &about);
     let page = page(&table.document.name, &table.document.description, &rows);
+    let record = record(table, &made);
     let mut files = vec![
-        (ROWS, rows.csv()),
-        (COLUMNS, fleet::parquet(&rows)),
-        (RECORD, to_json(&record(table, &made))),
-        (PAGE, page.into_bytes()),
+        (ROWS, rows.csv().into()),
+        (COLUMNS, fleet::parquet(&rows).into()),
+        (RECORD, Content::json(&record, made.len() <= INDENTED)),
+        (PAGE, page.into_bytes().into()),
     ];
-    files.extend(changes.iter().map(|changes| (CHANGES, changes.csv())));
+    files.extend(changes.iter().map(|changes| (CHANGES, changes.csv().into())));
     let (html, typical) = fleet.map_or((None, None), |pages| (Some(pages.html), pages.typical));
     let of_fleet = [(FLEET, html), (TYPICAL, typical)];
-    files.extend(of_fleet.iter().filter_map(|(name, text)| Some((*name, text.clone()?.into_bytes()))));
+    files.extend(of_fleet.iter().filter_map(|(name, text)| Some((*name, text.clone()?.into_bytes().into()))));
     folder.write_together(&files)?;
     // those of an earlier table of this name say nothing of this one
     of_fleet.iter().filter(|(_, text)| text.is_none()).try_for_each(|(name, _)| folder.remove(name))?;

@@ -2,7 +2,7 @@
 //! either complete or absent.
 
 use std::fs::{File, TryLockError};
-use std::io::ErrorKind;
+use std::io::{BufWriter, ErrorKind, IntoInnerError, Write};
 use std::path::{Path, PathBuf};
 
 use railspring_profiles::error::{InputError, Result};
@@ -13,6 +13,33 @@ use tempfile::TempPath;
 
 /// Begin of the temporary names.
 pub(crate) const TEMPORARY: &str = ".railspring-";
+
+/// What a file is to have.
+pub enum Content<'a> {
+    /// These bytes.
+    Bytes(Vec<u8>),
+    /// What this writes: a text that may be too large to be held.
+    Json(Box<dyn Fn(&mut BufWriter<File>) -> std::io::Result<()> + 'a>),
+}
+
+impl<'a> Content<'a> {
+    /// A value as JSON, indented or in one line.
+    pub fn json(value: &'a impl Serialize, indented: bool) -> Self {
+        Self::Json(Box::new(move |file| {
+            let written = match indented {
+                true => serde_json::to_writer_pretty(file, value),
+                false => serde_json::to_writer(file, value),
+            };
+            written.map_err(Into::into)
+        }))
+    }
+}
+
+impl From<Vec<u8>> for Content<'_> {
+    fn from(bytes: Vec<u8>) -> Self {
+        Self::Bytes(bytes)
+    }
+}
 
 /// A folder that files are written to, each under a temporary name first.
 #[derive(Debug)]
@@ -146,9 +173,17 @@ impl OutputFolder {
     ///
     /// # Errors
     /// [`InputError`] whose key is the path of the first that cannot be written.
-    pub fn write_together(&self, files: &[(&str, Vec<u8>)]) -> Result<()> {
-        let fill = |(name, content): &(&str, Vec<u8>)| {
-            self.filled(name, |temporary| std::fs::write(temporary, content))
+    pub fn write_together(&self, files: &[(&str, Content<'_>)]) -> Result<()> {
+        let fill = |(name, content): &(&str, Content<'_>)| {
+            self.filled(name, |temporary| match content {
+                Content::Bytes(bytes) => std::fs::write(temporary, bytes),
+                Content::Json(write) => {
+                    let mut file = BufWriter::new(File::create(temporary)?);
+                    write(&mut file)?;
+                    file.write_all(b"\n")?;
+                    file.into_inner().map(drop).map_err(IntoInnerError::into_error)
+                }
+            })
         };
         let filled = files.iter().map(fill).collect::<Result<Vec<_>>>()?;
         filled.into_iter().try_for_each(Filled::replace)
@@ -333,7 +368,7 @@ mod tests {
     fn files_that_belong_together_are_replaced_together() {
         let root = tempfile::tempdir().unwrap();
         let folder = OutputFolder::create(root.path()).unwrap();
-        let files = |text: &str| [("x.txt", text.as_bytes().to_vec()), ("y/z.txt", text.as_bytes().to_vec())];
+        let files = |text: &str| ["x.txt", "y/z.txt"].map(|name| (name, text.as_bytes().to_vec().into()));
         folder.write("x.txt", b"old").unwrap();
         std::fs::write(root.path().join("y"), "no folder").unwrap();
         assert!(folder.write_together(&files("new")).is_err());
