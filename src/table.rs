@@ -7,7 +7,14 @@
 //! * [`record()`]: `table.json`; [`page()`]: `table.html`.
 
 pub mod document;
+mod files;
+mod folder;
+mod dates;
+mod metadata;
+mod pattern;
+mod sources;
 mod bodies;
+mod pairs;
 mod cases;
 mod making;
 mod turns;
@@ -21,6 +28,7 @@ mod page;
 pub use cases::{Case, Table};
 pub use document::TableDocument;
 pub use making::PlaceRecord;
+pub use metadata::Metadata;
 pub use page::page;
 pub use places::{Place, Places, Plan};
 pub use record::{CaseRecord, FileRecord, PlaceEntry, TableRecord, record};
