@@ -92,6 +92,9 @@ fn bodies<'a>(list: &str, entries: &'a [Keys], reading: &mut Reading<'_>) -> Vec
     bodies
 }
 
+/// A file of a folder, and what is known of its measurement.
+type KnownFile = (FolderFile, Arc<Metadata>);
+
 /// An entry of a list of bodies.
 struct Entry<'a, 'l> {
     /// `wheel` or `rail`.
@@ -120,18 +123,14 @@ impl<'a> Entry<'a, '_> {
             ));
         }
         let choices = product(lists);
-        let of_file = |file: &Option<(FolderFile, Arc<Metadata>)>| -> Vec<Body<'a>> {
+        let of_file = |file: &Option<KnownFile>| -> Vec<Body<'a>> {
             choices.iter().map(|varied| self.body(name.as_deref(), file.as_ref(), varied)).collect()
         };
         files.iter().flat_map(of_file).collect()
     }
 
     /// The files of its folder with what is known of each, a single none without a folder; none at all where the folder cannot be read.
-    fn files(
-        &self,
-        folder: Option<&str>,
-        reading: &mut Reading<'_>,
-    ) -> Option<Vec<Option<(FolderFile, Arc<Metadata>)>>> {
+    fn files(&self, folder: Option<&str>, reading: &mut Reading<'_>) -> Option<Vec<Option<KnownFile>>> {
         let key = |leaf: &str| format!("{}.{leaf}", self.place);
         let [list, pattern] = [METADATA_FILE, NAME_PATTERN].map(|key| self.text(key, reading.mistaken));
         let Some(folder) = folder else {
@@ -178,7 +177,7 @@ impl<'a> Entry<'a, '_> {
     fn body(
         &self,
         name: Option<&str>,
-        file: Option<&(FolderFile, Arc<Metadata>)>,
+        file: Option<&KnownFile>,
         varied: &BTreeMap<&'a str, Value>,
     ) -> Body<'a> {
         let mut keys: Map<String, Value> = self.keys.iter().map(|(k, v)| (k.clone(), v.clone())).collect();

@@ -68,9 +68,9 @@ impl List {
         Ok(Self { header, rows })
     }
 
-    /// Number of the column with one of these names, whatever their case.
-    pub fn column(&self, names: &[&str]) -> Option<usize> {
-        self.header.iter().position(|column| names.iter().any(|name| column.eq_ignore_ascii_case(name)))
+    /// Number of the column of a name, whatever its case.
+    pub fn column(&self, name: &str) -> Option<usize> {
+        self.header.iter().position(|column| column.eq_ignore_ascii_case(name))
     }
 }
 
@@ -90,7 +90,7 @@ mod tests {
         assert_eq!(rows("file,km\na, \"1,5\"\n\nb,\n").map(|rows| rows.len()), Ok(2));
         assert_eq!(rows("file,km\n\"a\",\"1,5\"\n\nb,,\n"), expected);
         assert!(rows("file,km\na,1,5\n").unwrap_err().contains("line 2 has 3 fields"));
-        assert_eq!(List::parse("x;File\n").unwrap().column(&["file", "name"]), Some(1));
+        assert_eq!(List::parse("x;File\n").unwrap().column("file"), Some(1));
         assert_eq!(rows(""), Ok(Vec::new()));
     }
 }

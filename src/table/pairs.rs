@@ -125,7 +125,7 @@ impl<'a, 'b> Known<'a, 'b> {
 /// The pairs of a list in CSV with the columns `wheel` and `rail`.
 fn of_list(table: &Path, file: &str) -> Result<Vec<Asked>, InputError> {
     let list = List::read(table, file, PAIRS_FILE)?;
-    let columns = ["wheel", "rail"].map(|name| list.column(&[name]));
+    let columns = ["wheel", "rail"].map(|name| list.column(name));
     let refused =
         |expected: String, remedy: &str| InputError::new(PAIRS_FILE, format!("{file:?}"), expected, remedy);
     let [Some(wheel), Some(rail)] = columns else {

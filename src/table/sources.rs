@@ -97,7 +97,7 @@ impl Listed {
     fn of(file: &str, list: &List, key: &str) -> Result<Self, InputError> {
         let refused =
             |expected: String, remedy: &str| InputError::new(key, format!("{file:?}"), expected, remedy);
-        let Some(at) = list.column(&["file", "name"]) else {
+        let Some(at) = list.column("file").or(list.column("name")) else {
             let expected = format!("a column `file` or `name`; it has {}", list.header.join(", "));
             return Err(refused(expected, "call the column with the files `file`"));
         };
