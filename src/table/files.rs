@@ -51,7 +51,7 @@ impl List {
         let mut rows = Vec::new();
         for record in reader.records() {
             let record = record.map_err(|cause| cause.to_string())?;
-            let line = record.position().map_or(0, csv::Position::line);
+            let line = record.position().map_or(0, |at| line_of(text, at));
             let mut fields: Vec<String> = record.iter().map(str::to_owned).collect();
             if fields[header.len().min(fields.len())..].iter().any(|field| !field.is_empty()) {
                 return Err(format!(
@@ -72,6 +72,13 @@ impl List {
     pub fn column(&self, name: &str) -> Option<usize> {
         self.header.iter().position(|column| column.eq_ignore_ascii_case(name))
     }
+}
+
+/// Line of a record, which is said to begin with the empty lines before it.
+fn line_of(text: &str, at: &csv::Position) -> u64 {
+    let from = text.as_bytes().get(at.byte() as usize..).unwrap_or_default();
+    let empty = from.iter().take_while(|byte| matches!(byte, b'\n' | b'\r'));
+    at.line() + empty.filter(|byte| **byte == b'\n').count() as u64
 }
 
 #[cfg(test)]
