@@ -11,6 +11,7 @@ mod settings;
 mod explain;
 mod collect;
 mod content;
+mod file_content;
 mod pair;
 mod analysis;
 mod library_errors;
@@ -41,10 +42,11 @@ pub use document::{
     StudyDocument, TransientKey, VerticalKey, ZeroKey,
 };
 pub use explain::{KeyText, SectionText, explain, sections};
+pub use file_content::FileContent;
 pub use force_curve::{ForceCurve, MeasuredForce};
 pub use library_errors::with_keys;
 pub use pair::{MeasuredSurface, MeshFile, Rail, RailBody, SectionFile, Track, Wheel};
-pub use record::{PairRecord, ResolvedKey};
+pub use record::{PairRecord, ResolvedKey, ResolvedKeys};
 pub use schema::schema;
 pub(crate) use schema::schema_of;
 pub use settings::Setting;

@@ -7,7 +7,14 @@
 //! * [`record()`]: `table.json`; [`page()`]: `table.html`; [`fleet`]: what there is to see in many measured profiles.
 
 pub mod document;
+mod files;
+mod folder;
+mod dates;
+mod metadata;
+mod pattern;
+mod sources;
 mod bodies;
+mod pairs;
 mod cases;
 mod shared;
 mod surfaces;
@@ -28,6 +35,7 @@ pub use cases::{Case, Table};
 pub use document::TableDocument;
 pub use making::PlaceRecord;
 pub use measured::{about, shapes};
+pub use metadata::Metadata;
 pub use page::page;
 pub use places::{Place, Places, Plan};
 pub use record::{CaseRecord, FileRecord, PlaceEntry, TableRecord, record};

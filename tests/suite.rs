@@ -21,6 +21,7 @@ mod every_key;
 mod everyday;
 mod exports;
 mod field_files;
+mod fleet_folders;
 mod horizontal;
 mod input_uncertainty;
 mod interrupted_tables;

@@ -6,9 +6,6 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
-
-use serde_json::Value;
 
 use crate::tables::Place;
 
@@ -18,19 +15,6 @@ const TABLE: &str = "name = \"fleet\"\nbase = \"base.toml\"\nshifts_mm = [0, 2]\
     [[rail]]\nprofile = \"60E1\"\n[[rail]]\nprofile = \"54E1\"\ninclination = \"1:20\"\n";
 
 impl Place {
-    fn command(&self, arguments: &[&str]) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_railspring"));
-        command.current_dir(self.0.path()).args(arguments).env("RAILSPRING_CACHE", "cache");
-        command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
-        command
-    }
-
-    fn run(&self, arguments: &[&str]) -> (Option<i32>, String) {
-        let Output { status, stdout, stderr } = self.command(arguments).output().unwrap();
-        let said = [stdout, stderr].map(|text| String::from_utf8_lossy(&text).into_owned()).concat();
-        (status.code(), said)
-    }
-
     /// The table of a file, which holds.
     fn table(&self, file: &str, out: &str, more: &[&str]) -> String {
         let (code, said) = self.run(&[&["table", file, "-o", out], more].concat());
@@ -40,10 +24,6 @@ impl Place {
 
     fn rows(&self, out: &str) -> Vec<BTreeMap<String, String>> {
         rows(&self.path(out).join("table.csv"))
-    }
-
-    fn json(&self, file: &str) -> Value {
-        serde_json::from_slice(&std::fs::read(self.path(file)).unwrap()).unwrap()
     }
 }
 

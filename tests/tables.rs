@@ -3,6 +3,9 @@
 use crate::coarser::coarser;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
+use std::process::{Command, Output, Stdio};
+
+use serde_json::Value;
 
 pub struct Place(pub tempfile::TempDir);
 
@@ -31,5 +34,18 @@ impl Place {
     pub fn files(&self, out: &str) -> BTreeMap<&'static str, Vec<u8>> {
         let read = |name| (name, std::fs::read(self.path(out).join(name)).unwrap());
         ["table.csv", "table.json", "table.html", "table.parquet"].map(read).into()
+    }
+
+    /// The program here, with a store of its own.
+    pub fn run(&self, arguments: &[&str]) -> (Option<i32>, String) {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_railspring"));
+        command.current_dir(self.0.path()).args(arguments).env("RAILSPRING_CACHE", "cache");
+        let Output { status, stdout, stderr } = command.stdin(Stdio::null()).output().unwrap();
+        let said = [stdout, stderr].map(|text| String::from_utf8_lossy(&text).into_owned()).concat();
+        (status.code(), said)
+    }
+
+    pub fn json(&self, file: &str) -> Value {
+        serde_json::from_slice(&std::fs::read(self.path(file)).unwrap()).unwrap()
     }
 }

@@ -34,6 +34,7 @@ mod local_wavelength;
 mod replicates;
 mod drawn;
 mod recognition;
+mod entries;
 mod section;
 mod prepare;
 
@@ -45,6 +46,7 @@ use crate::error::{InputError, Result};
 use crate::input;
 
 pub use crate::profile::{ProfileKind, Sketch};
+pub use entries::header_entries;
 pub use finding::{Action, Finding, FindingKind};
 pub use format::{ProfileFormat, format_of_ending};
 pub use measured::{MeasuredPoint, MeasuredProfile};
@@ -55,7 +57,7 @@ pub use replicates::{REPLICATES, standard_uncertainty};
 pub use scatter::{Scatter, scatter};
 pub use section::{ClosedSection, parse_rail_section, parse_wheel_section, sketch_section};
 pub use smooth::{Smoothed, smooth};
-pub use text::LARGEST_FILE;
+pub use text::{LARGEST_FILE, decode};
 
 /// Reads a profile file.
 ///

@@ -141,6 +141,7 @@ fn made(args: &TableArgs, table: &Table) -> Result<bool, Error> {
     let progress = Progress::new(args.work.quiet);
     let resources = args.work.resources(&progress);
     let store = Store::open(&args.work.store())?;
+    table.notices.iter().for_each(|notice| resources.monitor.notice(notice));
     let places = Places::of(table, &store, args.fresh, resources);
     let plan = places.plan()?;
     if args.dry_run {

@@ -10,7 +10,7 @@ use railspring_profiles::units::MILLIMETRE;
 
 use super::format::{Format, LawForm, files};
 use super::spring::{ExportFile, Spring, no_form, no_reference, range, worth};
-use crate::engine::columns::csv_of_texts;
+use crate::engine::columns::{Cell, csv_of_texts};
 use crate::results::by_angle::record::FixedLoadRecord;
 use crate::results::by_angle::record::ShiftRecord;
 use crate::results::springs::record::TangentRecord;
@@ -115,8 +115,17 @@ impl ExportRow<'_> {
         IDENTITY
             .iter()
             .map(|name| (*name).to_string())
+            .chain(self.known().map(|(column, _)| column))
             .chain(varied.map(|key| key.replace('.', "_")))
             .collect()
+    }
+
+    /// What is known of its measurements, by columns.
+    fn known(&self) -> impl Iterator<Item = (String, String)> {
+        let CaseRecord { wheel_metadata, rail_metadata, .. } = self.case;
+        [("wheel", wheel_metadata), ("rail", rail_metadata)].into_iter().flat_map(|(body, metadata)| {
+            metadata.iter().map(move |(name, value)| (format!("{body}_{name}"), Cell::from(value).text()))
+        })
     }
 
     /// Its value in such a column, or for any key of a study.
@@ -129,11 +138,14 @@ impl ExportRow<'_> {
             "side" => place.side.name().into(),
             "shift_mm" => place.shift_mm.to_string(),
             _ => {
+                if let Some((_, value)) = self.known().find(|(name, _)| name == column) {
+                    return Some(value);
+                }
                 let with_a_column =
                     IDENTITY[2..].iter().zip(WITH_A_COLUMN).find(|(name, _)| **name == column);
                 let wanted = with_a_column.map_or(column, |(_, key)| key);
                 let is_it = |key: &str| key == wanted || key.replace('.', "_") == wanted;
-                let mut keys = case.keys.iter();
+                let mut keys = case.keys.iter().chain(&table.keys);
                 return keys
                     .find(|key| is_it(&format!("{}.{}", key.section, key.key)))
                     .map(|key| key.value.clone());

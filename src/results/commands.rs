@@ -118,7 +118,7 @@ impl<'a> StudyRun<'a> {
         let record = InputsRecord {
             study: self.study.name.clone(),
             description: self.study.description.clone(),
-            keys: self.study.resolved.clone(),
+            keys: self.study.resolved.to_vec(),
             calibration: self.solids.input.calibration().key().into(),
             version: env!("CARGO_PKG_VERSION").into(),
             commit: version::COMMIT.into(),

@@ -14,7 +14,7 @@ use super::document::{
 };
 use super::force_curve::ForceCurve;
 use super::pair::{Rail, Track, Wheel};
-use super::record::ResolvedKey;
+use super::record::ResolvedKeys;
 use super::source::Source;
 use super::statics::Statics;
 use crate::verify::Limits;
@@ -69,7 +69,7 @@ pub struct Study {
     /// Files for other programs.
     pub output: OutputKeys,
     /// All keys with their values, defaults filled in; the keys of each section by name.
-    pub resolved: Vec<ResolvedKey>,
+    pub resolved: ResolvedKeys,
     /// The file the study came from.
     pub source: Source,
 }
@@ -122,6 +122,23 @@ impl Study {
             true => self.solid.modes.unwrap_or(START_MODES),
             false if self.wants_condensed() => START_MODES,
             false => 0,
+        }
+    }
+
+    /// Makes the study one of many: it holds together with `other`, which it resembles, what both have alike, and no content of measured
+    /// profiles, which are read again when they are wanted.
+    pub(crate) fn as_one_of_many(&mut self, other: Option<&Self>) {
+        let measured = [&mut self.rail.measured, &mut self.wheel.measured];
+        measured.into_iter().flatten().for_each(|measured| measured.content.let_go());
+        let Some(other) = other else { return };
+        self.resolved.share(&other.resolved);
+        self.source.share(&other.source);
+        for (own, other) in
+            [(&mut self.rail.section, &other.rail.section), (&mut self.wheel.section, &other.wheel.section)]
+        {
+            if own == other {
+                own.clone_from(other);
+            }
         }
     }
 

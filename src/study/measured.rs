@@ -114,7 +114,7 @@ impl Surface<'_> {
         let measured = MeasuredSurface {
             file: file.to_owned(),
             path: chosen.path,
-            content: Arc::from(chosen.content),
+            content: chosen.content.into(),
             part: chosen.part,
             findings: chosen.findings,
             smoothing: Smoothing::of(self.keys.profile_smoothing_mm.map(|mm| mm * MILLIMETRE)),

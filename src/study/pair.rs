@@ -12,6 +12,7 @@ use railspring_profiles::profile_file::{ClosedSection, Finding, Smoothing};
 use railspring_profiles::section::WheelBody;
 use serde::{Serialize, Serializer};
 
+use super::file_content::FileContent;
 use crate::hash::hash;
 
 /// The rail.
@@ -120,8 +121,7 @@ pub struct MeasuredSurface {
     #[serde(rename = "ending", serialize_with = "ending")]
     pub path: PathBuf,
     /// Its content.
-    #[serde(serialize_with = "hashed")]
-    pub content: Arc<[u8]>,
+    pub content: FileContent,
     /// Name or number of the part of it that is the profile.
     pub part: Option<String>,
     /// What is said about the choice of a slice.

@@ -29,7 +29,7 @@ use super::document::{
     TorsionKeys, TransientKey,
 };
 use super::pair::Track;
-use super::record::ResolvedKey;
+use super::record::{ResolvedKey, ResolvedKeys};
 use super::source::{LocatedError, Source};
 
 type Result<T> = std::result::Result<T, InputError>;
@@ -460,7 +460,7 @@ fn mesh_options(mesh: &MeshKeys) -> MeshOptions {
 }
 
 /// All keys with their values, flattened: the sections in their order, the keys of each by name.
-fn resolved_keys(document: &StudyDocument, source: &Source) -> Vec<ResolvedKey> {
+fn resolved_keys(document: &StudyDocument, source: &Source) -> ResolvedKeys {
     let mut document = document.clone();
     document.rail.inclination.get_or_insert_with(Inclination::usual);
     let value = serde_json::to_value(document).expect("a study is plain data");
@@ -470,7 +470,7 @@ fn resolved_keys(document: &StudyDocument, source: &Source) -> Vec<ResolvedKey> 
             flatten(section, value, source, &mut keys);
         }
     }
-    keys
+    keys.into()
 }
 
 fn flatten(section: &str, value: &Value, source: &Source, keys: &mut Vec<ResolvedKey>) {

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use railspring_profiles::error::{InputError, printable};
 use toml::de::{DeTable, DeValue};
@@ -139,41 +140,65 @@ impl Lines {
 }
 
 /// Where every key of a study file stands, and what its value was.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Source {
-    path: PathBuf,
+    path: Arc<Path>,
     hash: String,
+    places: Arc<BTreeMap<String, Place>>,
+}
+
+/// Where keys stand, while they are collected.
+struct Noted<'a> {
+    lines: &'a Lines,
     places: BTreeMap<String, Place>,
+}
+
+impl Default for Source {
+    fn default() -> Self {
+        Self { path: Arc::from(Path::new("")), hash: String::new(), places: Arc::default() }
+    }
+}
+
+impl Noted<'_> {
+    fn table(&mut self, table: &DeTable<'_>, path: &str) {
+        for (key, value) in table.iter() {
+            let full = join(path, key.get_ref());
+            self.places.insert(full.clone(), self.lines.place(key.span().start));
+            self.value(value.get_ref(), &full);
+        }
+    }
+
+    fn value(&mut self, value: &DeValue<'_>, full: &str) {
+        match value {
+            DeValue::Table(inner) => self.table(inner, full),
+            DeValue::Array(items) => {
+                let tables = items.iter().enumerate().filter(|(_, item)| item.get_ref().is_table());
+                for (index, item) in tables {
+                    let full = format!("{full}[{index}]");
+                    self.places.insert(full.clone(), self.lines.place(item.span().start));
+                    self.value(item.get_ref(), &full);
+                }
+            }
+            _ => {}
+        }
+    }
 }
 
 impl Source {
     /// Remembers the places of all keys of a parsed document.
     pub(super) fn new(path: &Path, text: &str, lines: &Lines, document: &DeTable<'_>) -> Self {
-        let mut source = Self { path: path.to_path_buf(), hash: hash(text.as_bytes()), ..Self::default() };
-        source.note(lines, document, "");
-        source
+        let mut noted = Noted { lines, places: BTreeMap::new() };
+        noted.table(document, "");
+        Self { path: Arc::from(path), hash: hash(text.as_bytes()), places: Arc::new(noted.places) }
     }
 
-    fn note(&mut self, lines: &Lines, table: &DeTable<'_>, path: &str) {
-        for (key, value) in table.iter() {
-            let full = join(path, key.get_ref());
-            self.places.insert(full.clone(), lines.place(key.span().start));
-            self.note_value(lines, value.get_ref(), &full);
+    /// Holds what another source has alike together with it.
+    pub(super) fn share(&mut self, other: &Self) {
+        if self.path == other.path {
+            self.path = Arc::clone(&other.path);
         }
-    }
-
-    fn note_value(&mut self, lines: &Lines, value: &DeValue<'_>, full: &str) {
-        match value {
-            DeValue::Table(inner) => self.note(lines, inner, full),
-            DeValue::Array(items) => {
-                let tables = items.iter().enumerate().filter(|(_, item)| item.get_ref().is_table());
-                for (index, item) in tables {
-                    let full = format!("{full}[{index}]");
-                    self.places.insert(full.clone(), lines.place(item.span().start));
-                    self.note_value(lines, item.get_ref(), &full);
-                }
-            }
-            _ => {}
+        if self.places == other.places {
+            self.places = Arc::clone(&other.places);
         }
     }
 
@@ -208,6 +233,6 @@ impl Source {
         if !self.gives(&error.key) && error.value != MISSING {
             error.value = format!("{} (default)", error.value);
         }
-        LocatedError { path: self.path.clone(), place: self.place(&error.key), error }
+        LocatedError { path: self.path.to_path_buf(), place: self.place(&error.key), error }
     }
 }

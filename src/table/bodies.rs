@@ -1,12 +1,24 @@
 //! The wheels and the rails of a table: what the entries of its lists stand for.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use railspring_profiles::error::InputError;
 use serde_json::{Map, Value};
 
-use super::document::Keys;
+use super::document::{Keys, TableDocument};
+use super::files::beside;
+use super::folder::{Folder, FolderFile};
+use super::metadata::Metadata;
+use super::sources::Sources;
+
+/// Keys of an entry that belong to the table, and not to a study.
+const OF_THE_TABLE: [&str; 4] = ["name", "folder", METADATA_FILE, NAME_PATTERN];
+/// Key of the list that says more of the files of a folder.
+const METADATA_FILE: &str = "metadata_file";
+/// Key of the pattern of their names.
+const NAME_PATTERN: &str = "name_pattern";
 
 /// A wheel or a rail of the table.
 pub(super) struct Body<'a> {
@@ -17,25 +29,57 @@ pub(super) struct Body<'a> {
     pub keys: Map<String, Value>,
     /// Those of them that take several values in its entry.
     pub varied: BTreeMap<&'a str, Value>,
+    /// Whether its profile is one of the files of a folder, which may be no profiles.
+    pub of_folder: bool,
+    /// What is known of its measurement.
+    pub metadata: Arc<Metadata>,
+}
+
+/// The bodies of a table, and what there is to say of their files.
+pub(super) struct Bodies<'a> {
+    pub wheels: Vec<Body<'a>>,
+    pub rails: Vec<Body<'a>>,
+    pub notices: Vec<String>,
+}
+
+impl<'a> Bodies<'a> {
+    /// Those of the entries of a table.
+    pub fn of(table: &Path, document: &'a TableDocument, mistaken: &mut dyn FnMut(InputError)) -> Self {
+        let mut notices = Vec::new();
+        let mut reading = Reading { table, lists: lists(table, document), notices: &mut notices, mistaken };
+        let wheels = bodies("wheel", &document.wheel, &mut reading);
+        let rails = bodies("rail", &document.rail, &mut reading);
+        Self { wheels, rails, notices }
+    }
+}
+
+/// The files of a table that list others: in a folder with profiles they are none.
+fn lists(table: &Path, document: &TableDocument) -> Vec<PathBuf> {
+    let of_entries = document.wheel.iter().chain(&document.rail);
+    let of_entries = of_entries.filter_map(|entry| entry.get(METADATA_FILE)?.as_str());
+    of_entries.chain(document.pairs_file.as_deref()).map(|file| beside(table, file)).collect()
+}
+
+/// What entries are read with.
+struct Reading<'r> {
+    table: &'r Path,
+    lists: Vec<PathBuf>,
+    notices: &'r mut Vec<String>,
+    mistaken: &'r mut dyn FnMut(InputError),
 }
 
 /// The wheels or the rails of the entries of a list.
-pub(super) fn bodies<'a>(
-    table: &Path,
-    list: &str,
-    entries: &'a [Keys],
-    mistaken: &mut dyn FnMut(InputError),
-) -> Vec<Body<'a>> {
+fn bodies<'a>(list: &str, entries: &'a [Keys], reading: &mut Reading<'_>) -> Vec<Body<'a>> {
     let mut bodies: Vec<Body<'a>> = Vec::new();
     let mut names = BTreeSet::new();
     for (index, keys) in entries.iter().enumerate() {
         let entry = Entry { list, number: index + 1, place: format!("{list}[{index}]"), keys };
-        let new = entry.bodies(table, mistaken);
+        let new = entry.bodies(reading);
         for name in new.iter().map(|body| body.name.clone()).collect::<BTreeSet<String>>() {
             if !names.insert(name.clone()) {
                 let expected = format!("a name that no other {list} has");
                 let remedy = "give one of them another `name`";
-                mistaken(InputError::new(
+                (reading.mistaken)(InputError::new(
                     format!("{}.name", entry.place),
                     format!("{name:?}"),
                     expected,
@@ -47,6 +91,9 @@ pub(super) fn bodies<'a>(
     }
     bodies
 }
+
+/// A file of a folder, and what is known of its measurement.
+type KnownFile = (FolderFile, Arc<Metadata>);
 
 /// An entry of a list of bodies.
 struct Entry<'a, 'l> {
@@ -61,30 +108,58 @@ struct Entry<'a, 'l> {
 
 impl<'a> Entry<'a, '_> {
     /// Its bodies: one for every file of its folder and every choice of the values of its lists.
-    fn bodies(&self, table: &Path, mistaken: &mut dyn FnMut(InputError)) -> Vec<Body<'a>> {
-        let [name, folder] = ["name", "folder"].map(|key| self.text(key, mistaken));
-        let files: Vec<Option<(String, String)>> = match &folder {
-            None => vec![None],
-            Some(folder) => match files_of(table, folder) {
-                Ok(files) => files.into_iter().map(Some).collect(),
-                Err(mut mistake) => {
-                    mistake.key = format!("{}.folder", self.place);
-                    mistaken(mistake);
-                    return Vec::new();
-                }
-            },
-        };
+    fn bodies(&self, reading: &mut Reading<'_>) -> Vec<Body<'a>> {
+        let [name, folder] = ["name", "folder"].map(|key| self.text(key, reading.mistaken));
+        let Some(files) = self.files(folder.as_deref(), reading) else { return Vec::new() };
         let lists =
             self.keys.iter().filter_map(|(key, value)| Some((key.as_str(), value.as_array()?.as_slice())));
         if let Some((key, _)) = lists.clone().find(|(_, values)| values.is_empty()) {
             let place = format!("{}.{key}", self.place);
-            mistaken(InputError::new(place, "[]", "a value, or a list of values", "list the values"));
+            (reading.mistaken)(InputError::new(
+                place,
+                "[]",
+                "a value, or a list of values",
+                "list the values",
+            ));
         }
         let choices = product(lists);
-        let of_file = |file: &Option<(String, String)>| -> Vec<Body<'a>> {
+        let of_file = |file: &Option<KnownFile>| -> Vec<Body<'a>> {
             choices.iter().map(|varied| self.body(name.as_deref(), file.as_ref(), varied)).collect()
         };
         files.iter().flat_map(of_file).collect()
+    }
+
+    /// The files of its folder with what is known of each, a single none without a folder; none at all where the folder cannot be read.
+    fn files(&self, folder: Option<&str>, reading: &mut Reading<'_>) -> Option<Vec<Option<KnownFile>>> {
+        let key = |leaf: &str| format!("{}.{leaf}", self.place);
+        let [list, pattern] = [METADATA_FILE, NAME_PATTERN].map(|key| self.text(key, reading.mistaken));
+        let Some(folder) = folder else {
+            for (leaf, value) in [(METADATA_FILE, &list), (NAME_PATTERN, &pattern)] {
+                let Some(value) = value else { continue };
+                let expected = format!("{} beside it", key("folder"));
+                let remedy = "the key is about the files of a folder: give it, or remove the key";
+                (reading.mistaken)(InputError::new(key(leaf), format!("{value:?}"), expected, remedy));
+            }
+            return Some(vec![None]);
+        };
+        let read = || {
+            let found = Folder::read(reading.table, folder, &reading.lists)
+                .map_err(|mistake| InputError { key: key("folder"), ..mistake })?;
+            let list = list.as_deref().map(|file| (file, key(METADATA_FILE)));
+            let pattern = pattern.as_deref().map(|pattern| (pattern, key(NAME_PATTERN)));
+            let sources = Sources::read(reading.table, list, pattern)?;
+            Ok((found, sources))
+        };
+        let (found, sources) = read().map_err(|mistake| (reading.mistaken)(mistake)).ok()?;
+        let place = format!("folder {folder:?}");
+        if !found.others.is_empty() {
+            let shown = listed(&found.others);
+            reading.notices.push(format!("{place}: left out, as they are no profiles: {shown}"));
+        }
+        let known = sources.of_files(reading.table, &found.files);
+        reading.notices.extend(known.notices.iter().map(|notice| format!("{place}: {notice}")));
+        let metadata = known.metadata.into_iter().map(Arc::new);
+        Some(found.files.into_iter().zip(metadata).map(Some).collect())
     }
 
     /// The text of a key, if it is there and is one.
@@ -98,69 +173,49 @@ impl<'a> Entry<'a, '_> {
         None
     }
 
-    /// The body with a profile of a file (stem and path), if there is one, and values of the lists.
+    /// The body with a profile of a file of a folder, if there is one, and values of the lists.
     fn body(
         &self,
         name: Option<&str>,
-        file: Option<&(String, String)>,
+        file: Option<&KnownFile>,
         varied: &BTreeMap<&'a str, Value>,
     ) -> Body<'a> {
         let mut keys: Map<String, Value> = self.keys.iter().map(|(k, v)| (k.clone(), v.clone())).collect();
-        keys.retain(|key, _| key != "name" && key != "folder");
+        keys.retain(|key, _| !OF_THE_TABLE.contains(&key.as_str()));
         keys.extend(varied.iter().map(|(key, value)| ((*key).to_string(), value.clone())));
-        if let Some((_, path)) = file {
-            keys.insert("profile_file".into(), path.clone().into());
+        if let Some((file, _)) = file {
+            keys.insert("profile_file".into(), file.path.clone().into());
         }
         let text = |key: &str| keys.get(key).and_then(Value::as_str);
         let measured =
             || Path::new(text("profile_file")?).file_stem().map(|stem| stem.to_string_lossy().into());
         let name = match (name, file) {
-            (Some(name), Some((stem, _))) => format!("{name}/{stem}"),
+            (Some(name), Some((file, _))) => format!("{name}/{}", file.name),
             (Some(name), None) => name.to_owned(),
-            (None, Some((stem, _))) => stem.clone(),
+            (None, Some((file, _))) => file.name.clone(),
             (None, None) => text("profile")
                 .map(str::to_owned)
                 .or_else(measured)
                 .unwrap_or_else(|| format!("{} {}", self.list, self.number)),
         };
-        Body { name, entry: self.place.clone(), keys, varied: varied.clone() }
-    }
-}
-
-/// A file as the table names it.
-pub(super) fn beside(table: &Path, file: &str) -> std::path::PathBuf {
-    table.parent().unwrap_or(Path::new("")).join(file)
-}
-
-/// The files in a folder, by name: stem, and path as the table would name it.
-fn files_of(table: &Path, folder: &str) -> Result<Vec<(String, String)>, InputError> {
-    let path = beside(table, folder);
-    let refused = |value: String| {
-        let expected = format!("a folder with profile files; {}", path.display());
-        InputError::new("folder", value, expected, "give its path relative to the table")
-    };
-    let entries = std::fs::read_dir(&path).map_err(|cause| refused(format!("{folder:?}: {cause}")))?;
-    let mut files: Vec<(String, String)> = entries
-        .filter_map(|entry| {
-            let file = entry.ok()?;
-            let name = file.file_name().into_string().ok()?;
-            let stem = Path::new(&name).file_stem()?.to_string_lossy().into_owned();
-            let is_one = file.path().is_file() && !name.starts_with('.');
-            is_one.then(|| (stem, Path::new(folder).join(&name).to_string_lossy().into_owned()))
-        })
-        .collect();
-    files.sort_by(|a, b| a.1.cmp(&b.1));
-    if files.is_empty() {
-        return Err(refused(format!("{folder:?}, which has no file")));
-    }
-    // files of one stem keep their endings
-    let stems: Vec<String> = files.iter().map(|(stem, _)| stem.clone()).collect();
-    for (stem, path) in &mut files {
-        if stems.iter().filter(|other| *other == stem).count() > 1 {
-            *stem = Path::new(path).file_name().unwrap_or_default().to_string_lossy().into_owned();
+        Body {
+            name,
+            entry: self.place.clone(),
+            keys,
+            varied: varied.clone(),
+            of_folder: file.is_some(),
+            metadata: file.map(|(_, metadata)| Arc::clone(metadata)).unwrap_or_default(),
         }
     }
-    Ok(files)
+}
+
+/// Some names, of a long list the first and their number.
+pub(super) fn listed(names: &[String]) -> String {
+    const MOST: usize = 8;
+    match names.len() {
+        ..=MOST => names.join(", "),
+        count => format!("{}, … {count} in all", names[..MOST].join(", ")),
+    }
 }
 
 /// Every choice of a value for each key.

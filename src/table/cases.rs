@@ -2,19 +2,26 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::Arc;
 
 use railspring_profiles::error::InputError;
 use railspring_profiles::units::KILONEWTON;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
-use super::bodies::{Body, beside, bodies, product};
-use super::document::{CaseKeys, TableDocument};
+use super::bodies::{Bodies, product};
+use super::document::TableDocument;
+use super::files::beside;
+use super::metadata::Metadata;
+use super::pairs::{Pair, pairs};
+use crate::hash::hash;
 use crate::results::springs::make;
 use crate::study::{LocatedError, Mistakes, Source, Study, parsed, parts, schema_of, text_of};
 
 /// What messages call a table.
 const WHOLE: &str = "table";
+/// Wrong cases behind which no more are looked at: of thousands of files each would have the same mistake, and take its time.
+const WRONG: usize = 20;
 /// Sections of a study that the cases of a table have.
 const SECTIONS: [&str; 8] =
     ["rail", "wheel", "track", "material", "mesh", "contact", "calibration", "uncertainty"];
@@ -37,12 +44,23 @@ pub struct Case {
     pub rail: String,
     /// Dotted keys that take several values in the table, and those of this case.
     pub varied: BTreeMap<String, Value>,
-    /// The study of the pair.
+    /// The study of the pair; that of standard profiles in the place of files which cannot be read.
     pub study: Study,
+    /// Why its places have no laws: what is wrong with a file of a folder.
+    pub refused: Option<InputError>,
+    /// What is known of the measurements of the wheel and the rail.
+    pub metadata: [Arc<Metadata>; 2],
     /// Keys of the wheel, of the rail, and of the rest of what its springs depend on.
     pub parts: [String; 3],
+    /// Its keys as they were given, in TOML.
+    pub(super) text: String,
+}
+
+impl Case {
     /// Its keys as they were given.
-    pub(super) keys: Map<String, Value>,
+    pub(super) fn keys(&self) -> Map<String, Value> {
+        toml::from_str(&self.text).expect("the text was made of keys")
+    }
 }
 
 /// A checked table.
@@ -52,6 +70,8 @@ pub struct Table {
     pub document: TableDocument,
     /// The cases, in the order of the wheels and then of the rails.
     pub cases: Vec<Case>,
+    /// What there is to say of the files of its folders.
+    pub notices: Vec<String>,
 }
 
 impl Table {
@@ -77,32 +97,38 @@ impl Table {
         let mut mistakes = Vec::new();
         let mut mistaken = |mistake: InputError| mistakes.push(source.locate(mistake));
         of_the_lists(&document).into_iter().for_each(&mut mistaken);
-        let wheels = bodies(path, "wheel", &document.wheel, &mut mistaken);
-        let rails = bodies(path, "rail", &document.rail, &mut mistaken);
-        let pairs = pairs(&document.case, &wheels, &rails, &mut mistaken);
+        let bodies = Bodies::of(path, &document, &mut mistaken);
+        let pairs = pairs(path, &document, &bodies, &mut mistaken);
         if !mistakes.is_empty() {
             return Err(Mistakes::sorted(mistakes));
         }
         let sweeps = product(document.sweep.iter().map(|(key, values)| (key.as_str(), values.as_slice())));
-        let mut cases = Vec::new();
+        let mut cases: Vec<Case> = Vec::new();
+        let mut wrong = 0;
         for (wheel, rail) in pairs {
             for swept in &sweeps {
-                match case(path, &document, &base, (wheel, rail), swept) {
-                    Ok(case) => cases.push(case),
+                let located =
+                    |mistake: &LocatedError| relocated(mistake, &source, &base, [&wheel.entry, &rail.entry]);
+                match case(path, &document, &base, (wheel, rail), swept, &located) {
+                    Ok(mut case) => {
+                        case.study.as_one_of_many(cases.last().map(|last| &last.study));
+                        cases.push(case);
+                    }
                     Err(found) => {
-                        mistakes.extend(
-                            found.all().iter().map(|mistake| {
-                                relocated(mistake, &source, &base, [&wheel.entry, &rail.entry])
-                            }),
-                        );
+                        mistakes.extend(found.all().iter().map(located));
+                        wrong += 1;
                     }
                 }
+            }
+            if wrong > WRONG {
+                break;
             }
         }
         if !mistakes.is_empty() {
             return Err(Mistakes::sorted(mistakes));
         }
-        Ok(Self { document, cases })
+        let notices = bodies.notices;
+        Ok(Self { document, cases, notices })
     }
 }
 
@@ -208,48 +234,14 @@ fn of_the_lists(document: &TableDocument) -> Vec<InputError> {
     mistakes
 }
 
-/// The pairs of the table.
-fn pairs<'a, 'b>(
-    cases: &[CaseKeys],
-    wheels: &'a [Body<'b>],
-    rails: &'a [Body<'b>],
-    mistaken: &mut dyn FnMut(InputError),
-) -> Vec<(&'a Body<'b>, &'a Body<'b>)> {
-    if cases.is_empty() {
-        return wheels.iter().flat_map(|wheel| rails.iter().map(move |rail| (wheel, rail))).collect();
-    }
-    let mut pairs = Vec::new();
-    for (index, case) in cases.iter().enumerate() {
-        let named = |bodies: &'a [Body<'b>], name: &str| -> Vec<&'a Body<'b>> {
-            bodies.iter().filter(|body| body.name == name).collect()
-        };
-        let (of_wheels, of_rails) = (named(wheels, &case.wheel), named(rails, &case.rail));
-        for (list, name, found, all) in
-            [("wheel", &case.wheel, &of_wheels, wheels), ("rail", &case.rail, &of_rails, rails)]
-        {
-            if found.is_empty() {
-                let mut known: Vec<&str> = all.iter().map(|body| body.name.as_str()).collect();
-                known.dedup();
-                mistaken(InputError::new(
-                    format!("case[{index}].{list}"),
-                    format!("{name:?}"),
-                    format!("the name of a {list} of the table: {}", known.join(", ")),
-                    "correct the name",
-                ));
-            }
-        }
-        pairs.extend(of_wheels.iter().flat_map(|wheel| of_rails.iter().map(|rail| (*wheel, *rail))));
-    }
-    pairs
-}
-
-/// The case of a wheel on a rail with values of the swept keys.
+/// The case of a wheel on a rail with values of the swept keys; `located` makes a mistake in its study one of the table.
 fn case(
     path: &Path,
     document: &TableDocument,
     base: &Base,
-    (wheel, rail): (&Body<'_>, &Body<'_>),
+    (wheel, rail): Pair<'_, '_>,
     swept: &BTreeMap<&str, Value>,
+    located: &dyn Fn(&LocatedError) -> LocatedError,
 ) -> Result<Case, Mistakes> {
     let mut keys = base.keys.clone();
     for (name, common) in &document.study {
@@ -268,7 +260,15 @@ fn case(
         section(&mut keys, name).insert(leaf.into(), value.clone());
     }
     keys.insert("name".into(), document.name.clone().into());
-    let study = Study::parse(path, &text_of_keys(&keys))?;
+    let text = text_of_keys(&keys);
+    let (study, refused) = match Study::parse(path, &text) {
+        Ok(study) => (study, None),
+        Err(found) => {
+            let Some(stand_in) = stand_in(keys, &found, (wheel, rail)) else { return Err(found) };
+            let reason = located(&found.all()[0]).error;
+            (Study::parse(path, &text_of_keys(&stand_in))?, Some(reason))
+        }
+    };
     let of_a_case = |mistake: InputError| Mistakes::sorted(vec![study.source.locate(mistake)]);
     if let Err(railspring_profiles::error::Error::Input(mistake)) = make::check_friction(study.statics()) {
         return Err(of_a_case(mistake));
@@ -279,8 +279,50 @@ fn case(
     for (section, body) in [("wheel", wheel), ("rail", rail)] {
         varied.extend(body.varied.iter().map(|(key, value)| (format!("{section}.{key}"), value.clone())));
     }
-    let parts = parts(&study.statics());
-    Ok(Case { wheel: wheel.name.clone(), rail: rail.name.clone(), varied, study, parts, keys })
+    let mut parts = parts(&study.statics());
+    if let Some(reason) = &refused {
+        // not those of the bodies that stand in
+        parts[..2].iter_mut().for_each(|part| *part = hash(format!("{part} {reason}").as_bytes()));
+    }
+    Ok(Case {
+        wheel: wheel.name.clone(),
+        rail: rail.name.clone(),
+        varied,
+        study,
+        refused,
+        metadata: [Arc::clone(&wheel.metadata), Arc::clone(&rail.metadata)],
+        parts,
+        text,
+    })
+}
+
+/// The keys of a case with standard profiles in the place of files of folders, if nothing else is wrong than these files.
+fn stand_in(
+    mut keys: Map<String, Value>,
+    found: &Mistakes,
+    (wheel, rail): Pair<'_, '_>,
+) -> Option<Map<String, Value>> {
+    let is_of_a_file = |section: &str, mistake: &LocatedError| {
+        let leaf = mistake.error.key.strip_prefix(section).and_then(|rest| rest.strip_prefix('.'));
+        leaf.is_some_and(|leaf| ["profile_file", "profile_part"].contains(&leaf))
+    };
+    let mut left = found.all().len();
+    for (name, body, usual) in [("wheel", wheel, "S1002"), ("rail", rail, "60E1")] {
+        let count = found.all().iter().filter(|mistake| is_of_a_file(name, mistake)).count();
+        if count == 0 || !body.of_folder {
+            continue;
+        }
+        left -= count;
+        let section = section(&mut keys, name);
+        // beside a file alone
+        section.retain(|key, _| !key.starts_with("profile_") && (name, key.as_str()) != ("rail", "body"));
+        let standard = section.remove("standard").unwrap_or_else(|| usual.into());
+        if !section.contains_key("section_file") {
+            section.remove("tape_circle_mm");
+            section.insert("profile".into(), standard);
+        }
+    }
+    (left == 0).then_some(keys)
 }
 
 /// The text of a study with given keys.

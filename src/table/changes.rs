@@ -72,9 +72,11 @@ pub fn since(earlier: &Path, now: &Rows) -> Result<Changes> {
     let end = |columns: &[String]| {
         columns.iter().position(|column| column == "contact_angle_deg").unwrap_or(columns.len())
     };
+    // what is known of a measurement says nothing of the place, and is no result
+    let known = &now.columns[now.metadata.clone()];
     let identity: Vec<String> = now.columns[..end(&now.columns)]
         .iter()
-        .filter(|column| header[..end(&header)].contains(column))
+        .filter(|column| header[..end(&header)].contains(column) && !known.contains(column))
         .cloned()
         .collect();
     let numbers = |columns: &[String]| -> Vec<usize> {
@@ -89,7 +91,8 @@ pub fn since(earlier: &Path, now: &Rows) -> Result<Changes> {
         .columns
         .iter()
         .map(|name| {
-            let is_result = !identity.contains(name) && !INPUTS.iter().any(|(input, _)| input == name);
+            let is_input = INPUTS.iter().any(|(input, _)| input == name);
+            let is_result = !identity.contains(name) && !is_input && !known.contains(name);
             (name, header.iter().position(|column| column == name), is_result)
         })
         .collect();

@@ -45,7 +45,8 @@ pub struct TableDocument {
     /// Sections of a study with keys that all cases have, over those of the base.
     #[serde(default)]
     pub study: BTreeMap<String, Keys>,
-    /// The wheels: keys of a study's `[wheel]`, each with a `name`; a list of values stands for as many wheels; `folder` for all the profile files in a folder.
+    /// The wheels: keys of a study's `[wheel]`, each with a `name`; a list of values stands for as many wheels; `folder` for all the profile files in a folder
+    /// and the folders in it. Beside `folder`, `metadata_file` is a CSV file with columns that say more of its files, `name_pattern` what their names say.
     #[schemars(length(min = 1))]
     pub wheel: Vec<Keys>,
     /// The rails: keys of a study's `[rail]`, as those of the wheels.
@@ -54,9 +55,24 @@ pub struct TableDocument {
     /// Other keys of a study and the values that they take in turn, for instance `"contact.friction" = [0.2, 0.4]`.
     #[serde(default)]
     pub sweep: BTreeMap<String, Vec<Value>>,
-    /// The pairs, by the names of wheel and rail; left out, every wheel on every rail.
+    /// Which wheel stands on which rail; left out, with neither `pairs_file` nor `case`, every wheel on every rail.
+    #[serde(default)]
+    pub pairs: Option<PairsKey>,
+    /// CSV file with the pairs, relative to the table: columns `wheel` and `rail` with their names.
+    #[serde(default)]
+    #[schemars(length(min = 1))]
+    pub pairs_file: Option<String>,
+    /// The pairs, by the names of wheel and rail.
     #[serde(default)]
     pub case: Vec<CaseKeys>,
+}
+
+/// Which wheel stands on which rail.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum PairsKey {
+    /// Every wheel on every rail.
+    All,
 }
 
 /// One pair of the table.

@@ -5,8 +5,8 @@ use std::path::{Component, Path, PathBuf};
 
 use serde_json::{Map, Value};
 
-use super::bodies::beside;
 use super::cases::{Case, Table};
+use super::files::beside;
 use super::fleet::{About, Shape};
 use super::making::PlaceRecord;
 use super::places::Place;
@@ -21,14 +21,16 @@ pub fn about<'a>(table: &'a Table, path: &Path, folder: &Path, earlier: Option<&
     let mut keys: BTreeMap<String, Map<String, Value>> = BTreeMap::new();
     for case in table.cases.iter().filter(|case| case.study.wheel.measured.is_some()) {
         keys.entry(case.wheel.clone()).or_insert_with(|| {
-            let own = case.keys.get("wheel").and_then(Value::as_object).cloned().unwrap_or_default();
+            let own = case.keys().get("wheel").and_then(Value::as_object).cloned().unwrap_or_default();
             moved(&own, path, folder)
         });
     }
     let document = serde_json::to_value(&table.document).unwrap_or_default();
     let mut rest = moved(document.as_object().unwrap_or(&Map::new()), path, folder);
     // other wheels take their place, and cases would name them
-    rest.retain(|key, value| !["name", "description", "wheel", "case"].contains(&&**key) && !value.is_null());
+    rest.retain(|key, value| {
+        !["name", "description", "wheel", "case", "pairs_file"].contains(&&**key) && !value.is_null()
+    });
     About {
         name: &table.document.name,
         description: &table.document.description,
@@ -135,7 +137,7 @@ mod tests {
         let about = about(&table, &path("data/table.toml"), &path("out/fleet"), None);
         assert_eq!((about.wheels.len(), about.rails.len()), (21, 0));
         let rows = table.cases.iter().map(|case| vec![case.wheel.as_str().into()]).collect();
-        let rows = Rows { columns: vec!["wheel".into()], rows };
+        let rows = Rows { columns: vec!["wheel".into()], rows, metadata: 0..0 };
         let shape = |at: usize| {
             let off = if at.is_multiple_of(2) { 100.0 } else { 900.0 };
             Some(Shape { y_mm: vec![0.0, 1.0], off_um: vec![off + at as f64, off] })

@@ -42,6 +42,8 @@ pub struct Plan {
     pub places: usize,
     /// Those that the store has.
     pub kept: usize,
+    /// Those of files that cannot be read.
+    pub refused: usize,
     /// Cases with a place that is to be made.
     pub cases_made: usize,
     /// Bodies of these cases, which are condensed unless the store has them.
@@ -53,15 +55,21 @@ pub struct Plan {
 impl Plan {
     /// The plan in a sentence.
     pub fn text(&self) -> String {
-        let Self { cases, places, kept, cases_made, bodies, needs } = self;
-        let whole = format!("{cases} pairs at {places} places, {kept} of them in the store");
-        if kept == places {
+        let Self { cases, places, kept, refused, cases_made, bodies, needs } = self;
+        let mut whole = format!("{cases} pairs at {places} places, {kept} of them in the store");
+        if *refused > 0 {
+            whole += &format!(", {refused} of files that cannot be read");
+        }
+        if kept + refused == *places {
             return whole;
         }
         let needs = needs.map_or_else(String::new, |(seconds, bytes)| {
             format!(": about {} and {:.1} GiB on this machine", duration(seconds), bytes / GIB)
         });
-        format!("{whole}; {} to be made on {cases_made} pairs of {bodies} bodies{needs}", places - kept)
+        format!(
+            "{whole}; {} to be made on {cases_made} pairs of {bodies} bodies{needs}",
+            places - kept - refused
+        )
     }
 }
 
@@ -103,14 +111,20 @@ impl<'a> Places<'a> {
             }
         }
         let take = |place: &Place| {
-            let study = &table.cases[place.case].study;
-            let towards = place.side.towards(place.shift_mm);
+            let (Case { study, refused, .. }, towards) =
+                (&table.cases[place.case], place.side.towards(place.shift_mm));
+            if let Some(reason) = refused {
+                return Some(PlaceRecord::failed(towards, &reason.clone().into()));
+            }
+            if fresh {
+                return None;
+            }
             let address = Settings::of(document).address(study, towards);
             store.take_as(&address, |artefact| PlaceRecord::read(&artefact), &|text| {
                 resources.monitor.notice(&text)
             })
         };
-        let records = places.par_iter().map(|place| (!fresh).then(|| take(place)).flatten()).collect();
+        let records = places.par_iter().map(take).collect();
         Self { table, store, resources, nominals: Common::default(), places, records }
     }
 
@@ -135,6 +149,8 @@ impl<'a> Places<'a> {
             missing.keys().map(of).collect::<BTreeSet<_>>().len()
         };
         let [wheels, rails] = [bodies(0), bodies(1)];
+        let refused = |place: &&Place| self.table.cases[place.case].refused.is_some();
+        let refused = self.places.iter().filter(refused).count();
         let needs = match missing.first_key_value() {
             None => None,
             Some((first, shifts)) => self.needs(*first, shifts.len(), wheels + rails, missing.len())?,
@@ -142,7 +158,8 @@ impl<'a> Places<'a> {
         Ok(Plan {
             cases: self.table.cases.len(),
             places: self.places.len(),
-            kept: self.records.iter().flatten().count(),
+            kept: self.records.iter().flatten().count() - refused,
+            refused,
             cases_made: missing.len(),
             bodies: wheels + rails,
             needs,

@@ -1,7 +1,7 @@
 //! `table.json`: the places with all that is known of them, and the studies that they are of.
 
 use std::borrow::Cow;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -9,15 +9,19 @@ use serde_json::Value;
 use super::cases::Table;
 use super::document::{SideKey, TableDocument};
 use super::making::PlaceRecord;
+use super::metadata::Metadata;
 use super::places::Place;
 use super::rows::Status;
-use crate::study::ResolvedKey;
+use crate::study::{ResolvedKey, ResolvedKeys};
 
 /// The table with its provenance; borrowed where it is written, owned where it is read.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct TableRecord<'a> {
     /// The keys of its file.
     pub table: Cow<'a, TableDocument>,
+    /// Keys that all of its studies have with the same values.
+    #[serde(default)]
+    pub keys: Vec<ResolvedKey>,
     /// The cases.
     pub cases: Vec<CaseRecord<'a>>,
     /// Version of the program that made this.
@@ -35,12 +39,22 @@ pub struct CaseRecord<'a> {
     pub varied: Cow<'a, BTreeMap<String, Value>>,
     /// Files of measured profiles, with the hashes of their content.
     pub files: Vec<FileRecord>,
-    /// All keys of its study.
-    pub keys: Cow<'a, [ResolvedKey]>,
+    /// What is known of the measurement of the wheel.
+    #[serde(default, skip_serializing_if = "no_metadata")]
+    pub wheel_metadata: Cow<'a, Metadata>,
+    /// What is known of the measurement of the rail.
+    #[serde(default, skip_serializing_if = "no_metadata")]
+    pub rail_metadata: Cow<'a, Metadata>,
+    /// The other keys of its study.
+    pub keys: Vec<ResolvedKey>,
     /// Hashes of the wheel's inputs, the rail's, and all others.
     pub inputs: Cow<'a, [String; 3]>,
     /// Its places.
     pub places: Vec<PlaceEntry<'a>>,
+}
+
+fn no_metadata(metadata: &Metadata) -> bool {
+    metadata.is_empty()
 }
 
 /// A file of a measured profile.
@@ -74,6 +88,8 @@ pub fn record<'a>(table: &'a Table, places: &'a [(Place, PlaceRecord)]) -> Table
         status: Status::of(record),
         record: Cow::Borrowed(record),
     };
+    let common = ResolvedKeys::common(table.cases.iter().map(|case| &case.study.resolved));
+    let is_common: HashSet<&ResolvedKey> = common.iter().copied().collect();
     let mut rest = places;
     let mut cases = Vec::new();
     for (number, case) in table.cases.iter().enumerate() {
@@ -82,17 +98,24 @@ pub fn record<'a>(table: &'a Table, places: &'a [(Place, PlaceRecord)]) -> Table
         let measured = [&case.study.wheel.measured, &case.study.rail.measured];
         let file = |measured: &crate::study::MeasuredSurface| FileRecord {
             file: measured.file.clone(),
-            hash: blake3::hash(&measured.content).to_hex().to_string(),
+            hash: measured.content.hash().to_owned(),
         };
         cases.push(CaseRecord {
             wheel: (&*case.wheel).into(),
             rail: (&*case.rail).into(),
             varied: Cow::Borrowed(&case.varied),
             files: measured.into_iter().flatten().map(file).collect(),
-            keys: (&*case.study.resolved).into(),
+            wheel_metadata: Cow::Borrowed(&case.metadata[0]),
+            rail_metadata: Cow::Borrowed(&case.metadata[1]),
+            keys: case.study.resolved.iter().filter(|key| !is_common.contains(key)).cloned().collect(),
             inputs: Cow::Borrowed(&case.parts),
             places: own.iter().map(entry).collect(),
         });
     }
-    TableRecord { table: Cow::Borrowed(&table.document), cases, version: env!("CARGO_PKG_VERSION").into() }
+    TableRecord {
+        table: Cow::Borrowed(&table.document),
+        keys: common.into_iter().cloned().collect(),
+        cases,
+        version: env!("CARGO_PKG_VERSION").into(),
+    }
 }

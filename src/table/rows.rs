@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::fmt::Display;
 use std::iter::once;
+use std::ops::Range;
 
 use railspring_profiles::units::MILLIMETRE;
 use serde::{Deserialize, Serialize};
@@ -88,6 +89,9 @@ pub struct Rows {
     pub columns: Vec<String>,
     /// The rows, in the order of the places.
     pub rows: Vec<Vec<Cell>>,
+    /// The columns of what is known of the measurements.
+    #[serde(skip)]
+    pub metadata: Range<usize>,
 }
 
 impl Rows {
@@ -96,6 +100,7 @@ impl Rows {
         let varied: BTreeSet<&str> =
             table.cases.iter().flat_map(|case| case.varied.keys().map(String::as_str)).collect();
         let varied: Vec<&str> = varied.into_iter().filter(|key| !WITH_A_COLUMN.contains(key)).collect();
+        let known = known(table);
         let uncertain = table.cases.iter().any(|case| is_uncertain(&case.study));
         let measured = [true, false].map(|wheel| {
             table.cases.iter().any(|case| match wheel {
@@ -105,7 +110,7 @@ impl Rows {
         });
         let row = |(place, record): &(Place, PlaceRecord), named: bool| {
             let mut row = Row { named, ..Row::default() };
-            row.place(table, place, &varied);
+            row.place(table, place, &known, &varied);
             row.touch(record);
             row.measured(record, measured);
             row.law(law_in_use(&table.cases[place.case], record));
@@ -119,9 +124,16 @@ impl Rows {
             row
         };
         // all rows have the columns of the first
-        let columns = places.first().map(|place| row(place, true).names).unwrap_or_default();
+        let mut columns = places.first().map(|place| row(place, true).names).unwrap_or_default();
+        let metadata = IDENTITY.len()..(IDENTITY.len() + known.len()).min(columns.len());
+        for at in metadata.clone() {
+            // a word of a file is no result
+            if columns.iter().enumerate().any(|(other, name)| other != at && *name == columns[at]) {
+                columns[at] += "_of_file";
+            }
+        }
         let rows = places.iter().map(|place| row(place, false).cells).collect();
-        Self { columns, rows }
+        Self { columns, rows, metadata }
     }
 
     /// The number of a column.
@@ -134,6 +146,14 @@ impl Rows {
         let rows = self.rows.iter().map(|row| row.iter().map(Cell::text).collect());
         csv_of_texts(once(self.columns.clone()).chain(rows))
     }
+}
+
+/// What is known of the wheel (0) or the rail (1) of some case, by its names.
+fn known(table: &Table) -> Vec<(usize, &str)> {
+    let names = |body: usize| -> BTreeSet<&str> {
+        table.cases.iter().flat_map(|case| case.metadata[body].keys().map(String::as_str)).collect()
+    };
+    (0..2).flat_map(|body| names(body).into_iter().map(move |name| (body, name))).collect()
 }
 
 /// The law with the reference that the study has in use.
@@ -163,7 +183,7 @@ impl Row {
         self.cells.push(cell.into());
     }
 
-    fn place(&mut self, table: &Table, place: &Place, varied: &[&str]) {
+    fn place(&mut self, table: &Table, place: &Place, known: &[(usize, &str)], varied: &[&str]) {
         let case = &table.cases[place.case];
         let study = &case.study;
         let values: [Cell; 9] = [
@@ -178,6 +198,10 @@ impl Row {
             place.shift_mm.into(),
         ];
         IDENTITY.into_iter().zip(values).for_each(|(name, value)| self.put(name, value));
+        for (body, name) in known {
+            let cell = case.metadata[*body].get(*name).map_or(Cell::Number(None), Cell::from);
+            self.put(format_args!("{}_{name}", ["wheel", "rail"][*body]), cell);
+        }
         for key in varied {
             self.put(key.replace('.', "_"), case.varied.get(*key).map_or(Cell::Number(None), Cell::from));
         }

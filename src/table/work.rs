@@ -97,7 +97,7 @@ impl SentCase {
     pub fn of(table: &Table, case: &Case) -> Self {
         let Settings { name, direction, bodies, stiffness_at_kn } = Settings::of(&table.document);
         let Study { rail, wheel, .. } = &case.study;
-        let mut keys = case.keys.clone();
+        let mut keys = case.keys();
         let mut files = BTreeMap::new();
         let mut send = |section: &str, leaf: &str, path: &Path, content: &[u8]| {
             let ending = path.extension().map(|ending| format!(".{}", ending.to_string_lossy()));
@@ -109,7 +109,9 @@ impl SentCase {
             [("rail", &rail.measured, &rail.section), ("wheel", &wheel.measured, &wheel.section)]
         {
             if let Some(measured) = measured {
-                send(section, "profile_file", &measured.path, &measured.content);
+                // a file that has changed is refused there: its hash is another one
+                let content = measured.content.bytes(&measured.path).unwrap_or_default();
+                send(section, "profile_file", &measured.path, &content);
             }
             if let Some(own) = own {
                 send(section, "section_file", &own.path, &own.content);

@@ -42,7 +42,7 @@ pub(super) fn error_on(
 ///
 /// # Errors
 /// A file that is too large or is no text.
-pub(super) fn decode(name: &str, bytes: &[u8]) -> Result<String> {
+pub fn decode(name: &str, bytes: &[u8]) -> Result<String> {
     if bytes.len() as u64 > LARGEST_FILE {
         return Err(error_on(
             name,

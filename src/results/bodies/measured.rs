@@ -70,7 +70,7 @@ pub(crate) fn read(
         tape_circle,
         ..ReadOptions::default()
     };
-    let mut profile = parse(&name, &measured.content, &options)?;
+    let mut profile = parse(&name, &measured.content.bytes(&measured.path)?, &options)?;
     profile.findings.splice(0..0, measured.findings.iter().cloned());
     if measured.aligned != Some(true) {
         turned_over(measured, &profile)?;

@@ -243,7 +243,7 @@ impl Surface {
         records.push(ProfileRecord {
             body: reference.kind.name().into(),
             file: measured.file.clone(),
-            content_hash: Some(content_hash(&measured.content)),
+            content_hash: Some(measured.content.hash().to_owned()),
             format: self.in_place.format.to_string(),
             standard: reference.name.clone(),
             points: self.in_place.points.len(),

@@ -18,7 +18,7 @@ pub struct PageInput<'a> {
     /// What it is about.
     pub description: &'a str,
     /// Its keys with their values.
-    pub keys: &'a [ResolvedKey],
+    pub keys: Vec<ResolvedKey>,
     /// What its springs are for, which the keys have.
     #[serde(skip)]
     pub intended_use: &'a IntendedUseKeys,
@@ -46,7 +46,7 @@ impl<'a> PageInput<'a> {
         Self {
             name: &study.name,
             description: &study.description,
-            keys: &study.resolved,
+            keys: study.resolved.to_vec(),
             intended_use: &study.intended_use,
             review: &study.review,
             source: &study.source,

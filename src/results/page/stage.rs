@@ -106,7 +106,7 @@ impl<'s> Stage for Report<'s, '_> {
                 .path()
                 .file_name()
                 .map(|name| (name.to_string_lossy().into_owned(), input.source.hash().to_string())),
-            inputs: input.keys,
+            inputs: &input.keys,
             intended_use: input.intended_use,
             review: input.review,
             checks: &self.checks,
@@ -207,6 +207,6 @@ fn crosscheck_page(
 ) -> Result<()> {
     let sections = differences(folder, record);
     let data =
-        PageData { description: input.description, inputs: input.keys, record, sections: &sections, report };
+        PageData { description: input.description, inputs: &input.keys, record, sections: &sections, report };
     folder.write(CROSSCHECK_PAGE, page(&data).as_bytes())
 }

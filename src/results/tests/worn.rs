@@ -1,7 +1,6 @@
 //! Worn profiles of a study as surfaces on their standards.
 
 use std::path::Path;
-use std::sync::Arc;
 
 use crate::results::bodies::geometry::geometry;
 use crate::results::bodies::surface_figure::{Origin, Part};
@@ -16,7 +15,7 @@ fn a_short_head_with_a_spike() {
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut study = Study::read(&root.join("data/studies/worn.toml")).unwrap();
     let measured = study.rail.measured.as_mut().unwrap();
-    let text = String::from_utf8(measured.content.to_vec()).unwrap();
+    let text = String::from_utf8(measured.content.bytes(&measured.path).unwrap().to_vec()).unwrap();
     let row = |line: &str| -> Option<(f64, f64)> {
         let (y, z) = line.trim().split_once(char::is_whitespace)?;
         Some((y.parse().ok()?, z.trim().parse().ok()?))
@@ -27,7 +26,7 @@ fn a_short_head_with_a_spike() {
         Some((y, z)) if n == at => Some(format!("{y} {}", z - 1.0)),
         _ => Some(line.to_owned()),
     });
-    measured.content = Arc::from(lines.collect::<Vec<_>>().join("\n").into_bytes());
+    measured.content = lines.collect::<Vec<_>>().join("\n").into_bytes().into();
     let geometry = geometry(study.statics()).unwrap();
     let head = &geometry.surfaces[0];
     assert_eq!((head.body.as_str(), head.standard.as_str(), geometry.surfaces.len()), ("rail", "60E1", 2));
@@ -64,14 +63,14 @@ fn a_side_that_ends_above_the_gauge_is_said() {
     let said = |deepest: f64| -> Option<String> {
         let mut study = Study::read(&root.join("data/studies/worn.toml")).unwrap();
         let measured = study.rail.measured.as_mut().unwrap();
-        let text = String::from_utf8(measured.content.to_vec()).unwrap();
+        let text = String::from_utf8(measured.content.bytes(&measured.path).unwrap().to_vec()).unwrap();
         let too_deep = |line: &&str| {
             let row = line.trim().split_once(char::is_whitespace);
             let row = row.and_then(|(y, z)| Some((y.parse::<f64>().ok()?, z.trim().parse::<f64>().ok()?)));
             row.is_some_and(|(y, z)| y < 0.0 && z > deepest)
         };
         let kept: Vec<&str> = text.lines().filter(|line| !too_deep(line)).collect();
-        measured.content = Arc::from(kept.join("\n").into_bytes());
+        measured.content = kept.join("\n").into_bytes().into();
         let geometry = geometry(study.statics()).unwrap();
         let findings = &geometry.profiles[0].findings;
         findings

@@ -36,7 +36,7 @@ pub fn earlier(path: &Path) -> Result<Rows> {
         _ => Cell::from(text),
     };
     let rows = reader.records().map(|row| Ok(row.map_err(refused)?.iter().map(cell).collect()));
-    Ok(Rows { columns, rows: rows.collect::<Result<_>>()? })
+    Ok(Rows { columns, rows: rows.collect::<Result<_>>()?, metadata: 0..0 })
 }
 
 /// The section.

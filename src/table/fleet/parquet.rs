@@ -95,7 +95,7 @@ mod tests {
             vec![Cell::from(format!("wheel {}", n / 10)), number.into(), reason.into()]
         };
         let columns = ["wheel", "k_kn_per_m", "reason"].map(String::from).to_vec();
-        Rows { columns, rows: (0..25_000).map(row).collect() }
+        Rows { columns, rows: (0..25_000).map(row).collect(), metadata: 0..0 }
     }
 
     /// Source: the reader of the same library. Goal: every value comes back to the last bit, empty cells as nothing, in groups of 10,000 rows.
@@ -135,11 +135,16 @@ mod tests {
     fn columns_have_one_type() {
         let columns = ["mixed", "gap", "no number", "no text"].map(String::from).to_vec();
         let row = |mixed: Cell, gap: Cell| vec![mixed, gap, Cell::Number(None), "".into()];
-        let rows = Rows { columns, rows: vec![row(1.5.into(), 2.5.into()), row("a".into(), "".into())] };
+        let rows = Rows {
+            columns,
+            rows: vec![row(1.5.into(), 2.5.into()), row("a".into(), "".into())],
+            metadata: 0..0,
+        };
         assert_eq!([0, 1, 2, 3].map(|column| is_text(&rows, column)), [true, false, false, true]);
         assert_eq!(&parquet(&rows)[..4], b"PAR1");
-        assert_eq!(&parquet(&Rows { columns: Vec::new(), rows: Vec::new() })[..4], b"PAR1");
-        let twice = Rows { columns: vec!["a".into(); 2], rows: vec![vec![1.0.into(), 2.0.into()]] };
+        assert_eq!(&parquet(&Rows { columns: Vec::new(), rows: Vec::new(), metadata: 0..0 })[..4], b"PAR1");
+        let twice =
+            Rows { columns: vec!["a".into(); 2], rows: vec![vec![1.0.into(), 2.0.into()]], metadata: 0..0 };
         assert_eq!(&parquet(&twice)[..4], b"PAR1");
     }
 }

@@ -30,7 +30,7 @@ fn rows() -> Rows {
         .into_iter()
         .flat_map(|wheel| (0..=20).map(move |shift| row(wheel, f64::from(shift))))
         .collect();
-    Rows { columns: columns.map(String::from).collect(), rows }
+    Rows { columns: columns.map(String::from).collect(), rows, metadata: 0..0 }
 }
 
 /// Goal: the page counts, names the odd place first, has every pair and every reason, and no name ends its script or becomes a tag.
@@ -114,7 +114,7 @@ fn a_page_of_a_million_places() {
             row
         })
         .collect();
-    let page = page("a million", "", &Rows { columns, rows });
+    let page = page("a million", "", &Rows { columns, rows, metadata: 0..0 });
     let path = std::env::temp_dir().join("railspring-a-million-places.html");
     std::fs::write(&path, &page).unwrap();
     println!("{}: {:.0} MB", path.display(), 1e-6 * page.len() as f64);

@@ -144,7 +144,11 @@ impl Fleet {
             }
             names.insert(name);
         }
-        Self { rows: Rows { columns: columns.map(String::from).to_vec(), rows }, shapes, names }
+        Self {
+            rows: Rows { columns: columns.map(String::from).to_vec(), rows, metadata: 0..0 },
+            shapes,
+            names,
+        }
     }
 
     fn about<'a>(&self, name: &'a str, earlier: Option<&'a Rows>) -> About<'a> {
@@ -269,7 +273,7 @@ fn a_table_with_few_columns_says_so() {
         assert!(pages.html.contains(missing), "{missing}");
     }
     assert_eq!(pages.typical, None);
-    let empty = Rows { columns: Vec::new(), rows: Vec::new() };
+    let empty = Rows { columns: Vec::new(), rows: Vec::new(), metadata: 0..0 };
     assert_eq!(page(&empty, &[], &fleet.about("empty", None)), None);
 }
 

@@ -1,0 +1,163 @@
+//! Folders with the measured profiles of a fleet as wheels of a table.
+//!
+//! Goal: every profile in a folder and in the folders in it is a wheel, in whatever format; a file that is none is a row with its reason or is left out, and never ends
+//! the table; what is known of the measurements stands in columns. Source: the worn wheel of `data/profiles`, written in several formats.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use railspring::table::Table;
+use railspring_profiles::profile_file::{ProfileFormat, ProfileKind, ReadOptions, read, write};
+
+use crate::tables::Place;
+
+const TABLE: &str = "name = \"fleet\"\nbase = \"base.toml\"\nshifts_mm = [0]\nstiffness_at_kn = [20]\n\
+    [[wheel]]\nfolder = \"measured\"\nstandard = \"S1002\"\n[[rail]]\nprofile = \"60E1\"\n";
+
+/// The worn wheel in a format.
+fn worn(format: ProfileFormat) -> String {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/profiles/worn-s1002.whl");
+    let wheel = read(&file, &ReadOptions::default()).unwrap();
+    write(format, ProfileKind::Wheel, &wheel.points, "worn")
+}
+
+/// A place with a folder of wheels in three formats, of files that are none, and of other kinds.
+fn fleet(table: &str) -> Place {
+    let place = Place::new(table);
+    let write = |name: &str, content: &[u8]| {
+        let path = place.path("measured").join(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, content).unwrap();
+    };
+    let header = "CarNo=4711\nAxleNo=2\nWheelID=L\nDate=12.05.2024\nMileage[m]=12345\nUserName=-\n";
+    write("May/4711_1.whl", format!("{header}{}", worn(ProfileFormat::MiniProf)).as_bytes());
+    write("May/4711_2.prw", worn(ProfileFormat::Simpack).as_bytes());
+    write("June/depot/0815_1.csv", worn(ProfileFormat::Csv).as_bytes());
+    write("June/broken.whl", b"CarNo=13\nColumnDef=X,Y\n\nnothing\n");
+    write("June/slices.slcw", b"0 1\n2\n0 0 0\n1\n0 'a.whl'\n1 'b.whl'\n");
+    write("June/photo.png", b"\x89PNG\r\n\x1a\n\0\0");
+    write("protocol.pdf", b"%PDF-1.4\n\0");
+    write(".hidden.whl", b"");
+    place
+}
+
+fn rows(place: &Place) -> Vec<BTreeMap<String, String>> {
+    csv::Reader::from_path(place.path("out/table.csv")).unwrap().deserialize().map(Result::unwrap).collect()
+}
+
+/// Goal: the wheels of three formats in three folders have the same law, files that are no profiles are rows with their reasons, files of other kinds are left out
+/// and said; rows have what a list, the names and the headers say in columns behind the identity, `table.json` has it, and `--where` knows it. Accuracy: FORMAT, the points of
+/// the formats have six digits and more; the smoothing of their scatter is the same.
+#[test]
+fn a_folder_of_a_fleet_is_a_table() {
+    const FORMAT: f64 = 1e-3;
+    let keys =
+        "[[wheel]]\nmetadata_file = \"measured/fleet.csv\"\nname_pattern = \"{month}/{vehicle}_{axle}\"";
+    let place = fleet(&TABLE.replace("[[wheel]]", keys));
+    let list = "file;Depot;axle\nMay/4711_2;Nord;7\nJune/depot/0815_1.csv;S\u{fc}d;\ngone;West;\n";
+    std::fs::write(place.path("measured/fleet.csv"), list).unwrap();
+    let (code, said) = place.run(&["table", "table.toml", "-o", "out"]);
+    assert_eq!(code, Some(1), "{said}");
+    for part in [
+        "left out, as they are no profiles: June/photo.png, protocol.pdf",
+        "1 of 3 rows of measured/fleet.csv have no file",
+        "3 of 5 files have no row in measured/fleet.csv",
+        "3 of 5 files have names of another pattern",
+        "5 pairs at 5 places, 0 of them in the store, 1 of files that cannot be read; 4 to be made",
+        "5 places: 3 complete, 0 with a law that ends early, 2 without a law",
+    ] {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+    let rows = rows(&place);
+    let wheels: Vec<&str> = rows.iter().map(|row| row["wheel"].as_str()).collect();
+    assert_eq!(wheels, ["June/broken", "June/depot/0815_1", "June/slices", "May/4711_1", "May/4711_2"]);
+    let row = |at: usize, column: &str| rows[at][column].as_str();
+    for (at, name) in [(0, "broken.whl"), (2, "slices.slcw")] {
+        assert_eq!(row(at, "status"), "failed");
+        assert!(row(at, "reason").contains(name), "{}", row(at, "reason"));
+    }
+    let stiffness = |at: usize| row(at, "stiffness_kn_per_m_at_20kn").parse::<f64>().unwrap();
+    for at in [1, 4] {
+        assert!((stiffness(at) / stiffness(3) - 1.0).abs() < FORMAT, "{} {}", stiffness(at), stiffness(3));
+    }
+    let known = |at: usize| {
+        let columns = ["vehicle", "axle", "wheel", "date", "mileage_km", "user_name", "depot", "month"];
+        columns.map(|column| row(at, &format!("wheel_{column}"))).join(" ")
+    };
+    assert_eq!(known(3), "4711 1 L 2024-05-12 12.345 -  May");
+    assert_eq!(known(4), "4711 7     Nord May");
+    assert_eq!(known(0), "13       ");
+    assert_eq!(row(1, "wheel_depot"), "S\u{fc}d");
+    let header = std::fs::read_to_string(place.path("out/table.csv")).unwrap();
+    assert!(header.contains(",shift_mm,wheel_axle,wheel_date,wheel_depot,wheel_mileage_km,"), "{header}");
+    let case = &place.json("out/table.json")["cases"][3];
+    assert_eq!((&case["wheel_metadata"]["mileage_km"], case.get("rail_metadata")), (&12.345.into(), None));
+    let export =
+        ["export", "out/table.json", "--to", "json", "--where", "wheel_depot=Nord", "-o", "exported"];
+    let (code, said) = place.run(&export);
+    assert_eq!(code, Some(0), "{said}");
+
+    // what is known of a measurement is no other place and no other result
+    std::fs::write(place.path("measured/fleet.csv"), list.replace("Nord", "Ost")).unwrap();
+    let (code, said) = place.run(&["table", "table.toml", "-o", "out", "--diff", "out/table.csv"]);
+    assert_eq!(code, Some(1), "{said}");
+    assert!(said.contains("3 of them in the store, 1 of files that cannot be read; 1 to be made"), "{said}");
+    assert!(said.contains("0 places with other values, 0 new, 0 gone"), "{said}");
+}
+
+/// Goal: a list of pairs has those pairs alone; a name that no body has is refused with its line, and so are two ways to say which pairs there are, keys of a folder without
+/// one, and keys of a study that are wrong.
+#[test]
+fn pairs_come_from_a_list() {
+    let place = fleet(TABLE);
+    let parse = |text: &str| Table::parse(&place.path("table.toml"), text);
+    let listed = TABLE.replace("shifts_mm", "pairs_file = \"pairs.csv\"\nshifts_mm");
+    place.write("pairs.csv", "rail,wheel\n60E1,May/4711_1\n60E1,June/broken\n");
+    let pairs = |table: Table| -> Vec<String> { table.cases.into_iter().map(|case| case.wheel).collect() };
+    assert_eq!(pairs(parse(&listed).unwrap()), ["May/4711_1", "June/broken"]);
+    assert_eq!(pairs(parse(&TABLE.replace("shifts_mm", "pairs = \"all\"\nshifts_mm")).unwrap()).len(), 5);
+
+    place.write("wrong.csv", "wheel,rail\nMay/4711_3,60E1\n");
+    let refused = |from: &str, to: &str, said: &[&str]| {
+        assert!(TABLE.contains(from));
+        let mistakes = parse(&TABLE.replacen(from, to, 1)).unwrap_err().to_string();
+        assert!(said.iter().all(|said| mistakes.contains(said)), "{said:?}: {mistakes}");
+    };
+    refused(
+        "shifts_mm",
+        "pairs_file = \"wrong.csv\"\nshifts_mm",
+        &["pairs_file", "on line 2", "did you mean"],
+    );
+    refused(
+        "shifts_mm",
+        "pairs_file = \"none.csv\"\nshifts_mm",
+        &["table.toml:3: pairs_file = \"none.csv\""],
+    );
+    refused(
+        "shifts_mm",
+        "pairs = \"all\"\npairs_file = \"pairs.csv\"\nshifts_mm",
+        &["either pairs or pairs_file"],
+    );
+    refused(
+        "profile = \"60E1\"",
+        "profile = \"60E1\"\nname_pattern = \"{a}\"",
+        &["rail[0].name_pattern", "folder"],
+    );
+    refused("standard =", "name_pattern = \"a\"\nstandard =", &["wheel[0].name_pattern", "placeholder"]);
+    refused(
+        "standard =",
+        "metadata_file = \"none.csv\"\nstandard =",
+        &["wheel[0].metadata_file = \"none.csv\""],
+    );
+    refused("\"S1002\"", "\"S1003\"", &["wheel[0].standard = \"S1003\""]);
+    refused("measured", "none", &["wheel[0].folder"]);
+}
+
+/// Goal: a profile file that is named itself and cannot be read ends the table, as before.
+#[test]
+fn a_file_that_is_named_is_refused() {
+    let place = fleet(TABLE);
+    let one = TABLE.replace("folder = \"measured\"", "profile_file = \"measured/June/slices.slcw\"");
+    let mistakes = Table::parse(&place.path("table.toml"), &one).unwrap_err().to_string();
+    assert!(mistakes.contains("wheel[0].profile_file"), "{mistakes}");
+}
