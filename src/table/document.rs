@@ -35,9 +35,9 @@ pub struct TableDocument {
     /// Along what the wheel is pressed.
     #[serde(default)]
     pub direction: DirectionKey,
-    /// Whose bodies measured profiles are pressed on.
+    /// Whose bodies measured profiles are pressed on; left out, `nominal` for a table with a `folder`, `own` for others.
     #[serde(default)]
-    pub bodies: BodiesKey,
+    pub bodies: Option<BodiesKey>,
     /// Loads along that direction at which displacement and stiffness have columns, kN, ascending, within the range of the loads of the study.
     #[serde(default = "usual_loads")]
     #[schemars(length(min = 1, max = 20), inner(range(min = 0.1, max = 1000.0)))]
@@ -88,15 +88,22 @@ pub struct CaseKeys {
 }
 
 /// Whose bodies measured profiles are pressed on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum BodiesKey {
     /// Those of their standards, whose contact nodes are moved to the measured surface: condensed once, whatever the number of files. A surface that is more than 4 mm
     /// off them has its own.
-    #[default]
     Nominal,
     /// Their own, meshed and condensed for every profile.
     Own,
+}
+
+impl TableDocument {
+    /// Whose bodies its measured profiles are pressed on.
+    pub fn bodies(&self) -> BodiesKey {
+        let folder = self.wheel.iter().chain(&self.rail).any(|keys| keys.contains_key("folder"));
+        self.bodies.unwrap_or(if folder { BodiesKey::Nominal } else { BodiesKey::Own })
+    }
 }
 
 impl BodiesKey {

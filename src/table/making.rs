@@ -111,8 +111,8 @@ pub(super) struct Settings<'a> {
 impl<'a> Settings<'a> {
     /// Those of a table.
     pub fn of(document: &'a TableDocument) -> Self {
-        let TableDocument { name, direction, bodies, stiffness_at_kn, .. } = document;
-        Self { name, direction: *direction, bodies: *bodies, stiffness_at_kn }
+        let TableDocument { name, direction, stiffness_at_kn, .. } = document;
+        Self { name, direction: *direction, bodies: document.bodies(), stiffness_at_kn }
     }
 
     /// Address of the place of a study at a shift towards the rail (mm).

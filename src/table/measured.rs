@@ -31,6 +31,8 @@ pub fn about<'a>(table: &'a Table, path: &Path, folder: &Path, earlier: Option<&
     rest.retain(|key, value| {
         !["name", "description", "wheel", "case", "pairs_file"].contains(&&**key) && !value.is_null()
     });
+    // without a folder, the default is another one
+    rest.insert("bodies".into(), table.document.bodies().name().into());
     About {
         name: &table.document.name,
         description: &table.document.description,

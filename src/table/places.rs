@@ -138,7 +138,7 @@ impl<'a> Places<'a> {
         let bodies = |part: usize| {
             let of = |case: &usize| {
                 let Case { study, parts, .. } = &self.table.cases[*case];
-                match shares(study, self.table.document.bodies) {
+                match shares(study, self.table.document.bodies()) {
                     true => (parts_of(&nominal(study).statics())[part].clone(), true),
                     false => {
                         let measured = study.rail.measured.is_some() || study.wheel.measured.is_some();

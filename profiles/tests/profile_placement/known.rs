@@ -164,7 +164,7 @@ fn wear_is_read_off() {
     for (worn, height, tread) in [(false, 28.0, 0.0), (true, 29.852, 1.852)] {
         let wear = |p: Point2<f64>| if worn { hollow(p) } else { 0.0 };
         let profile = as_file(ProfileKind::Wheel, &measured(&wheel, [-5.0, length], wear));
-        let (moved, placed) = place_profile(&profile, &wheel, PlaceOptions::default()).unwrap();
+        let (moved, _) = place_profile(&profile, &wheel, PlaceOptions::default()).unwrap();
         let curve = prepare(&moved, &PrepareOptions::default()).unwrap().curve;
         let found = wheel_wear(&curve, &wheel);
         near(found.flange_height, height);
