@@ -19,8 +19,11 @@ pub enum Content<'a> {
     /// These bytes.
     Bytes(Vec<u8>),
     /// What this writes: a text that may be too large to be held.
-    Json(Box<dyn Fn(&mut BufWriter<File>) -> std::io::Result<()> + 'a>),
+    Json(Box<Writer<'a>>),
 }
+
+/// What writes a file.
+type Writer<'a> = dyn Fn(&mut BufWriter<File>) -> std::io::Result<()> + 'a;
 
 impl<'a> Content<'a> {
     /// A value as JSON, indented or in one line.
