@@ -43,6 +43,7 @@ pub use hybrid::{Hybrid, Share, Shares};
 pub use iterative::Factors;
 pub use lattice::Lattice;
 pub use near_field::NearField;
+pub use newton::TOLERANCE;
 pub use operator::ComplianceOperator;
 pub use pairing::{PairingLimits, pair};
 pub use pairing::{locate, nodes_near, pair_nodes};
@@ -50,7 +51,7 @@ pub use point::{ContactPoint, NodeWeight, Side, flat_grid, gaps, nodal_forces, r
 pub use point_force::PatchStress;
 pub use rigid_motion::RigidMotion;
 pub use solver::{FreeDirection, HubResponse, PointMode, Problem, Solution, hub_response, solve};
-pub use solver::{hub_response_with, response_to, solve_held, solve_with};
+pub use solver::{hub_response_with, response_to, solve_held, solve_to, solve_with};
 pub use subsurface::{Hat, Peak, Subsurface, hats, stress_below, subsurface};
 pub use surface::corners;
 pub use surface::{BetweenNodes, Shape, Surface};

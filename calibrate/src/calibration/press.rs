@@ -4,8 +4,8 @@ use super::candidates::{Candidates, FinePlan};
 use super::grid::touches_border;
 use super::pressed::{ContactField, Elasticity, Pressed, WheelOnRail, edge_reached};
 use crate::contact::{
-    ContactPoint, Factors, FreeDirection, HubResponse, PointMode, Problem, Side, gaps, response_to,
-    solve_with,
+    ContactPoint, Factors, FreeDirection, HubResponse, PointMode, Problem, Side, TOLERANCE, gaps,
+    response_to, solve_to,
 };
 use nalgebra::{DMatrix, Vector2};
 use railspring_profiles::error::{Error, InputError, NumericsError, Result, StopReason};
@@ -17,6 +17,9 @@ const HUB_TOLERANCE: f64 = 1e-10;
 /// The same on a fine grid, whose gaps follow the hub along the normals of the rail. Across a patch those of the wheel differ from
 /// them by a tenth of a radian at most, so that pairing again would move the hub by less than [`HUB_TOLERANCE`].
 const FINE_HUB_TOLERANCE: f64 = 1e-9;
+/// SOLVER: residual over the largest force of the solution before the points are paired again. It places the hub to 1e-10 m, within
+/// [`FINE_HUB_TOLERANCE`].
+const UNPAIRED: f64 = 1e-6;
 const PAIRING_LIMIT: usize = 40;
 /// Smallest factor on the step of the hub where pairings make it oscillate, and largest where they creep.
 const LEAST_SHARE: f64 = 1.0 / 16.0;
@@ -194,7 +197,10 @@ impl WheelOnRail<'_> {
                 friction: self.friction,
                 hub: &wanted,
             };
-            let solution = solve_with(&problem, &start, &mut factors).map_err(|e| at_load(e, load))?;
+            // the points are paired again after the first solution
+            let residual = if iteration == 0 { UNPAIRED } else { TOLERANCE };
+            let solution =
+                solve_to(&problem, &start, residual, &mut factors).map_err(|e| at_load(e, load))?;
             let way = solution.hub[0];
             if moved != 0.0 && way != moved {
                 // of the last two ways and the part of the first that was gone: where the next one would be zero

@@ -20,8 +20,8 @@ const PLAIN: usize = 20;
 const SHORTEST: f64 = 1.0 / 64.0;
 /// Residuals that the line search remembers.
 const MEMORY: usize = 4;
-/// SOLVER: residual over the largest force.
-const TOLERANCE: f64 = 1e-10;
+/// SOLVER: residual of a solution over the largest force.
+pub const TOLERANCE: f64 = 1e-10;
 /// Part of the residual to which the equations of a step are solved where that is done by iteration (R.S. Dembo, S.C. Eisenstat,
 /// T. Steihaug, "Inexact Newton methods", SIAM J. Numer. Anal. 19 (1982)), as long as the points change their modes: then the residual of
 /// the step is that of these.
@@ -34,6 +34,15 @@ const CLOSE: f64 = 1e-5;
 /// runs away would otherwise pass for rounding.
 const COARSEST: f64 = 1e-8;
 
+/// When an iteration ends.
+#[derive(Clone, Copy)]
+pub(super) struct Goal {
+    /// SOLVER: residual over the largest force.
+    pub residual: f64,
+    /// Steps at most.
+    pub steps: usize,
+}
+
 /// Iterates until the conditions of contact hold, `limit` steps at most, and adds the steps to `spent`. The separation of the `state` is that
 /// of its forces. The `factors` are of problems before, and for those that follow.
 ///
@@ -41,7 +50,7 @@ const COARSEST: f64 = 1e-8;
 /// Why the iteration stopped without an answer.
 pub(super) fn newton(
     state: &mut State,
-    limit: usize,
+    Goal { residual: wanted, steps: limit }: Goal,
     spent: &mut usize,
     factors: &mut Factors,
 ) -> Result<(), StopReason> {
@@ -49,7 +58,7 @@ pub(super) fn newton(
     let mut remembered = VecDeque::new();
     let mut residual = state.residual();
     for iteration in 0..=limit {
-        if residual.relative <= TOLERANCE.max(residual.roundoff.min(COARSEST)) {
+        if residual.relative <= wanted.max(residual.roundoff.min(COARSEST)) {
             return Ok(());
         }
         if !residual.relative.is_finite() {
@@ -62,7 +71,7 @@ pub(super) fn newton(
         let mut modes = state.modes();
         stick_between_slips(state, &previous, &mut modes);
         // near the solution, or with the modes of the step before, the step may be the last
-        let last = f64::min(PART, 0.1 * TOLERANCE / residual.relative);
+        let last = f64::min(PART, 0.1 * wanted / residual.relative);
         let tolerance = if residual.relative < CLOSE || modes == previous { last } else { PART };
         let step = direction(state, &modes, tolerance, factors).ok_or(StopReason::Singular)?;
         remembered.push_back(residual.squared());

@@ -11,7 +11,7 @@
 use super::conjugate_gradients::conjugate_gradients;
 use super::dense::{DenseFactor, is_worth_it};
 use super::iterative::{Factors, Linearised};
-use super::newton::{newton, slip_rows};
+use super::newton::{Goal, TOLERANCE, newton, slip_rows};
 use super::preconditioned::preconditioned;
 use super::start::{ALL_THE_WAY, NEAR, approach, suits};
 use super::state::State;
@@ -24,6 +24,8 @@ pub use super::state::{FreeDirection, PointMode, Problem, Solution};
 
 /// Steps of a Newton iteration at most.
 const NEWTON_STEPS: usize = 60;
+/// Where the iteration ends for an answer.
+const EXACT: Goal = Goal { residual: TOLERANCE, steps: NEWTON_STEPS };
 /// Levels of friction tried on the way from none to that of the problem.
 const FRICTION_LEVELS: usize = 16;
 /// Smallest rise of friction, of the whole.
@@ -43,7 +45,12 @@ pub fn solve(problem: &Problem, start: &[f64]) -> Result<Solution> {
 
 /// As [`solve`], one of a sequence of problems of which each is little different from the one before: its `factors` serve the next.
 pub fn solve_with(problem: &Problem, start: &[f64], factors: &mut Factors) -> Result<Solution> {
-    solve_within(problem, start, NEWTON_STEPS, factors)
+    solve_within(problem, start, EXACT, factors)
+}
+
+/// As [`solve_with`], to a `residual` over the largest force: for a problem of which the solution is no more than a start for the next.
+pub fn solve_to(problem: &Problem, start: &[f64], residual: f64, factors: &mut Factors) -> Result<Solution> {
+    solve_within(problem, start, Goal { residual, ..EXACT }, factors)
 }
 
 /// SOLVER: what a step of its point alone changes a force by in [`solve_held`], over the largest force.
@@ -67,26 +74,26 @@ pub fn solve_held(problem: &Problem, start: &[f64]) -> Result<Vec<f64>> {
     Err(unsolved(&state, residual, steps, StopReason::IterationLimit))
 }
 
-/// As [`solve_with`], with so many steps of a Newton iteration at most.
-fn solve_within(problem: &Problem, start: &[f64], steps: usize, factors: &mut Factors) -> Result<Solution> {
+/// As [`solve_with`], by Newton iterations that end as the `goal` says.
+fn solve_within(problem: &Problem, start: &[f64], goal: Goal, factors: &mut Factors) -> Result<Solution> {
     let mut spent = 0;
     let mut state = State::new(problem, start);
     let by_products = suits(problem);
     if by_products {
         approach(&mut state, NEAR, &mut spent);
     }
-    let Err(mut stopped) = newton(&mut state, steps, &mut spent, factors) else {
+    let Err(mut stopped) = newton(&mut state, goal, &mut spent, factors) else {
         return Ok(state.solution(spent));
     };
     if by_products {
         let mut state = State::new(problem, start);
         approach(&mut state, ALL_THE_WAY, &mut spent);
-        match newton(&mut state, steps, &mut spent, factors) {
+        match newton(&mut state, goal, &mut spent, factors) {
             Ok(()) => return Ok(state.solution(spent)),
             Err(reason) => stopped = reason,
         }
     }
-    if let Some(solution) = raise_friction(problem, start, steps, &mut spent, factors) {
+    if let Some(solution) = raise_friction(problem, start, goal, &mut spent, factors) {
         return Ok(solution);
     }
     if by_products {
@@ -97,7 +104,7 @@ fn solve_within(problem: &Problem, start: &[f64], steps: usize, factors: &mut Fa
     for (tolerance, relaxation) in SWEEPS {
         spent += sweep(&mut swept, tolerance, relaxation);
         let mut state = swept.clone();
-        match newton(&mut state, steps, &mut spent, factors) {
+        match newton(&mut state, goal, &mut spent, factors) {
             Ok(()) => return Ok(state.solution(spent)),
             Err(reason) => stopped = reason,
         }
@@ -116,7 +123,7 @@ fn unsolved(state: &State, residual: f64, iteration: usize, reason: StopReason) 
 fn raise_friction(
     problem: &Problem,
     start: &[f64],
-    steps: usize,
+    goal: Goal,
     spent: &mut usize,
     factors: &mut Factors,
 ) -> Option<Solution> {
@@ -128,14 +135,14 @@ fn raise_friction(
     normal[n..].fill(0.0);
     let smooth = Problem { friction: 0.0, ..*problem };
     let mut state = State::new(&smooth, &normal);
-    if newton(&mut state, steps, spent, factors).is_err() {
+    if newton(&mut state, goal, spent, factors).is_err() {
         state = State::new(&smooth, &normal);
         if suits(&smooth) {
             approach(&mut state, ALL_THE_WAY, spent);
         } else {
             *spent += sweep(&mut state, SWEEPS[0].0, SWEEPS[0].1);
         }
-        newton(&mut state, steps, spent, factors).ok()?;
+        newton(&mut state, goal, spent, factors).ok()?;
     }
     let (mut forces, mut hub) = (state.forces, state.hub);
     let (mut reached, mut rise) = (0.0, 1.0);
@@ -145,7 +152,7 @@ fn raise_friction(
         let mut state = State::new(&level, &forces);
         state.hub.copy_from_slice(&hub);
         state.update_separation();
-        if newton(&mut state, steps, spent, factors).is_ok() {
+        if newton(&mut state, goal, spent, factors).is_ok() {
             if part == 1.0 {
                 return Some(state.solution(*spent));
             }
@@ -163,7 +170,7 @@ fn raise_friction(
 }
 
 /// SOLVER: residual of the linearised contact over its right-hand side where it is solved by iteration.
-const LINEAR: f64 = 1e-10;
+const LINEAR: f64 = 1e-8;
 
 /// How the contact answers small motions of the hub at a converged state.
 pub struct HubResponse {
@@ -299,7 +306,7 @@ mod tests {
         let problem =
             Problem { points: &points, compliance: &compliance, free: &free, friction: 0.0, hub: &hub };
         let mut exact = State::new(&problem, &vec![0.0; n]);
-        newton(&mut exact, NEWTON_STEPS, &mut 0, &mut Factors::default()).unwrap();
+        newton(&mut exact, EXACT, &mut 0, &mut Factors::default()).unwrap();
         let hertz =
             point_contact(LOAD, RADIUS, RADIUS, Material::STEEL.contact_modulus(&Material::STEEL)).unwrap();
         assert!((exact.hub[0] / hertz.approach - 1.0).abs() < DISCRETISATION, "{:?} {hertz:?}", exact.hub);
@@ -344,7 +351,8 @@ mod tests {
                 Problem { points: &points, compliance: &compliance, free: &free, friction, hub: &hub };
             let start = vec![0.0; directions * n];
             let exact = solve(&problem, &start).unwrap();
-            let found = solve_within(&problem, &start, 0, &mut Factors::default()).unwrap();
+            let found =
+                solve_within(&problem, &start, Goal { steps: 0, ..EXACT }, &mut Factors::default()).unwrap();
             let sliding = exact.modes.iter().filter(|mode| **mode == PointMode::Slip).count();
             println!("{directions} {friction} {slip}: {sliding} of {} slide", exact.active());
             let difference = largest_difference(&found.forces, &exact.forces);
@@ -354,7 +362,7 @@ mod tests {
             assert_eq!(found.modes, exact.modes);
             // nothing but the products leads there
             let mut alone = State::new(&problem, &start);
-            assert!(newton(&mut alone, 0, &mut 0, &mut Factors::default()).is_err());
+            assert!(newton(&mut alone, Goal { steps: 0, ..EXACT }, &mut 0, &mut Factors::default()).is_err());
         }
     }
 }
