@@ -10,5 +10,5 @@ mod touch;
 
 pub use departure::{Departure, departure, lateral_extent};
 pub use placed_rail::{PlacedRail, place_rail};
-pub use touch::{Touch, touch};
+pub use touch::{Touch, TouchSearch, touch};
 pub use track::TrackGeometry;

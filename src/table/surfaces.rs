@@ -2,7 +2,7 @@
 
 use railspring_calibrate::pair::Pair;
 use railspring_profiles::error::Result;
-use railspring_profiles::placement::touch;
+use railspring_profiles::placement::TouchSearch;
 use railspring_profiles::profile_placement::{RailWear, Reference, WheelWear, rail_wear, wheel_wear};
 use railspring_profiles::rigid_contact::{RunningFunction, RunningPoint};
 use railspring_profiles::units::MILLIMETRE;
@@ -122,16 +122,17 @@ fn in_mm(length: Option<f64>) -> Option<f64> {
 
 /// Rolling-radius difference of a wheelset of equal sides, its axle level.
 fn running(statics: Statics<'_>, pair: &Pair) -> Result<RunningFunction> {
-    let radius = |step: i32| -> Result<f64> {
-        let shift = RANGE * f64::from(step) / f64::from(STEPS);
-        let at = touch(&pair.placed, &pair.wheel.running, tape_y(statics, pair, shift))?;
+    let shifts: Vec<f64> = (-STEPS..=STEPS).map(|step| RANGE * f64::from(step) / f64::from(STEPS)).collect();
+    let touches = TouchSearch::new(&pair.placed, &pair.wheel.running);
+    let radius = |shift: &f64| -> Result<f64> {
+        let at = touches.at(tape_y(statics, pair, *shift))?;
         Ok(pair.wheel.running.point(at.wheel_s).y)
     };
-    let radii: Vec<f64> = (-STEPS..=STEPS).map(radius).collect::<Result<_>>()?;
-    let points = radii.iter().zip(radii.iter().rev()).zip(-STEPS..=STEPS).map(|((right, left), step)| {
-        let shift = RANGE * f64::from(step) / f64::from(STEPS);
-        RunningPoint { shift, difference: right - left }
-    });
+    let radii: Vec<f64> = shifts.iter().map(radius).collect::<Result<_>>()?;
+    let points = shifts
+        .into_iter()
+        .zip(radii.iter().zip(radii.iter().rev()))
+        .map(|(shift, (right, left))| RunningPoint { shift, difference: right - left });
     RunningFunction::from_points(points.collect())
 }
 

@@ -32,74 +32,112 @@ pub struct Touch {
 /// Lowers the wheel profile `wheel` (profile frame), its tape circle at the world position `tape_y` (m), onto
 /// the rail until it just touches.
 ///
+/// # Errors
+/// Those of [`TouchSearch::at`].
+pub fn touch(rail: &PlacedRail, wheel: &ProfileCurve, tape_y: f64) -> Result<Touch> {
+    TouchSearch::new(rail, wheel).at(tape_y)
+}
+
+/// The first touches of a wheel on a rail, for many lateral positions.
+///
 /// The vertical gap is smallest at the touch. The bounding-volume hierarchies of the two polylines through the
 /// curves' knots yield the pairs of intervals whose chords come closest over the whole overlap; on these the gap
 /// of the smooth curves is minimised to round-off.
-///
-/// # Errors
-/// [`InputError`] with the field `lateral_shift` if the wheel misses the rail, or would hang on an end of
-/// one of the two curves.
-pub fn touch(rail: &PlacedRail, wheel: &ProfileCurve, tape_y: f64) -> Result<Touch> {
-    let rail = &rail.curve;
-    let mut best: Option<(f64, f64, f64)> = None;
-    for pair in candidates(rail, wheel, tape_y) {
-        let found = least_gap(rail, wheel, tape_y, pair);
-        if best.is_none_or(|b| found.0 < b.0) {
-            best = Some(found);
-        }
-    }
-    let missed = |what: &str| {
-        InputError::new(
-            InputField::LateralShift,
-            format!("tape circle at y = {:.3} mm", tape_y / MILLIMETRE),
-            "a position at which the running surfaces of wheel and rail touch",
-            format!("{what}; reduce `lateral_shift`, or check `gauge` and `flange_back`"),
-        )
-    };
-    let (tape_z, rail_s, wheel_s) = best.ok_or_else(|| missed("the wheel misses the rail"))?;
-    // SOLVER: an end counts as touched within a nanometre.
-    const AT_END: f64 = 1e-9;
-    let at_end = |curve: &ProfileCurve, s: f64| s < AT_END || s > curve.length() - AT_END;
-    if at_end(rail, rail_s) || at_end(wheel, wheel_s) {
-        return Err(missed("the wheel misses the rail and hangs on the end of a profile").into());
-    }
-    let tangent = rail.tangent(rail_s);
-    Ok(Touch {
-        tape_z,
-        rail_s,
-        wheel_s,
-        point: rail.point(rail_s),
-        contact_angle: (-tangent.y).atan2(tangent.x),
-    })
+pub struct TouchSearch<'a> {
+    rail: Chords<'a>,
+    wheel: Chords<'a>,
 }
 
-/// Pairs of intervals that may hold the smallest gap, in the order of the two curves.
-fn candidates(rail: &ProfileCurve, wheel: &ProfileCurve, tape_y: f64) -> Vec<(usize, usize)> {
-    let (rail_chords, wheel_chords) = (chords(rail), chords(wheel));
-    let (rail_slack, wheel_slack) = (sagittas(rail), sagittas(wheel));
-    let greatest = |slack: &[f64]| slack.iter().copied().fold(0.0, f64::max);
-    let greatest_slack = greatest(&rail_slack) + greatest(&wheel_slack);
-    // Upper bound of the smallest gap of the smooth curves, from the pairs seen so far.
-    let bound = Cell::new(f64::INFINITY);
-    // Two boxes are worth opening if they overlap laterally and may come closer than the bound.
-    let promising = rail_chords.bvh().leaf_pairs(wheel_chords.bvh(), |a, b| {
-        let (a, b) = (a.aabb(), b.aabb());
-        let overlap = a.mins.x <= b.maxs.x + tape_y && b.mins.x + tape_y <= a.maxs.x;
-        overlap && a.mins.y - b.maxs.y - greatest_slack <= bound.get()
-    });
-    let mut found = Vec::new();
-    for (r, w) in promising {
-        let (rail_chord, wheel_chord) = (rail_chords.segment(r), wheel_chords.segment(w));
-        let (r, w) = (r as usize, w as usize);
-        let slack = rail_slack[r] + wheel_slack[w];
-        if let Some(gap) = chord_gap([rail_chord.a, rail_chord.b], [wheel_chord.a, wheel_chord.b], tape_y) {
-            bound.set(bound.get().min(gap + slack));
-            found.push((r, w, gap - slack));
-        }
+/// A curve with the chords between its knots.
+struct Chords<'a> {
+    curve: &'a ProfileCurve,
+    line: Polyline,
+    /// How far the curve can lie from each of them, vertically, m.
+    slack: Vec<f64>,
+}
+
+impl<'a> Chords<'a> {
+    fn of(curve: &'a ProfileCurve) -> Self {
+        Self { curve, line: chords(curve), slack: sagittas(curve) }
     }
-    found.retain(|pair| pair.2 <= bound.get());
-    found.sort_unstable_by_key(|pair| (pair.0, pair.1));
-    found.into_iter().map(|(r, w, _)| (r, w)).collect()
+
+    fn greatest_slack(&self) -> f64 {
+        self.slack.iter().copied().fold(0.0, f64::max)
+    }
+}
+
+impl<'a> TouchSearch<'a> {
+    /// Of a wheel profile (profile frame) on a rail.
+    pub fn new(rail: &'a PlacedRail, wheel: &'a ProfileCurve) -> Self {
+        Self { rail: Chords::of(&rail.curve), wheel: Chords::of(wheel) }
+    }
+
+    /// The first touch with the tape circle at the world position `tape_y`, m.
+    ///
+    /// # Errors
+    /// [`InputError`] with the field `lateral_shift` if the wheel misses the rail, or would hang on an end of
+    /// one of the two curves.
+    pub fn at(&self, tape_y: f64) -> Result<Touch> {
+        let (rail, wheel) = (self.rail.curve, self.wheel.curve);
+        let mut best: Option<(f64, f64, f64)> = None;
+        for pair in self.candidates(tape_y) {
+            let found = least_gap(rail, wheel, tape_y, pair);
+            if best.is_none_or(|b| found.0 < b.0) {
+                best = Some(found);
+            }
+        }
+        let missed = |what: &str| {
+            InputError::new(
+                InputField::LateralShift,
+                format!("tape circle at y = {:.3} mm", tape_y / MILLIMETRE),
+                "a position at which the running surfaces of wheel and rail touch",
+                format!("{what}; reduce `lateral_shift`, or check `gauge` and `flange_back`"),
+            )
+        };
+        let (tape_z, rail_s, wheel_s) = best.ok_or_else(|| missed("the wheel misses the rail"))?;
+        // SOLVER: an end counts as touched within a nanometre.
+        const AT_END: f64 = 1e-9;
+        let at_end = |curve: &ProfileCurve, s: f64| s < AT_END || s > curve.length() - AT_END;
+        if at_end(rail, rail_s) || at_end(wheel, wheel_s) {
+            return Err(missed("the wheel misses the rail and hangs on the end of a profile").into());
+        }
+        let tangent = rail.tangent(rail_s);
+        Ok(Touch {
+            tape_z,
+            rail_s,
+            wheel_s,
+            point: rail.point(rail_s),
+            contact_angle: (-tangent.y).atan2(tangent.x),
+        })
+    }
+
+    /// Pairs of intervals that may hold the smallest gap, in the order of the two curves.
+    fn candidates(&self, tape_y: f64) -> Vec<(usize, usize)> {
+        let Self { rail, wheel } = self;
+        let greatest_slack = rail.greatest_slack() + wheel.greatest_slack();
+        // Upper bound of the smallest gap of the smooth curves, from the pairs seen so far.
+        let bound = Cell::new(f64::INFINITY);
+        // Two boxes are worth opening if they overlap laterally and may come closer than the bound.
+        let promising = rail.line.bvh().leaf_pairs(wheel.line.bvh(), |a, b| {
+            let (a, b) = (a.aabb(), b.aabb());
+            let overlap = a.mins.x <= b.maxs.x + tape_y && b.mins.x + tape_y <= a.maxs.x;
+            overlap && a.mins.y - b.maxs.y - greatest_slack <= bound.get()
+        });
+        let mut found = Vec::new();
+        for (r, w) in promising {
+            let (rail_chord, wheel_chord) = (rail.line.segment(r), wheel.line.segment(w));
+            let (r, w) = (r as usize, w as usize);
+            let slack = rail.slack[r] + wheel.slack[w];
+            if let Some(gap) = chord_gap([rail_chord.a, rail_chord.b], [wheel_chord.a, wheel_chord.b], tape_y)
+            {
+                bound.set(bound.get().min(gap + slack));
+                found.push((r, w, gap - slack));
+            }
+        }
+        found.retain(|pair| pair.2 <= bound.get());
+        found.sort_unstable_by_key(|pair| (pair.0, pair.1));
+        found.into_iter().map(|(r, w, _)| (r, w)).collect()
+    }
 }
 
 fn chords(curve: &ProfileCurve) -> Polyline {
