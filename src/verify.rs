@@ -38,6 +38,7 @@ use railspring_simulate::time::history::{Ending, History, HistoryRow};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use series::peak;
+pub(crate) use statistics::quantile;
 
 pub use band::Band;
 pub use change::{Change, least_contact};

@@ -12,6 +12,7 @@ use crate::report::number::{WIDTH, number};
 use crate::report::panel::{Panel, stacked};
 use crate::report::plot::{BLUE, DARK, Marker, RED, Series};
 use crate::rounding::{ratio, with_minus_signs};
+use crate::verify::quantile;
 
 /// Most points of a curve.
 const POINTS: usize = 2000;
@@ -185,12 +186,10 @@ fn heat(seen: &[Seen<'_>], load: &str) -> Option<Value> {
     Some(json!({ "caption": caption, "rails": rails, "rows": rows }))
 }
 
-/// The middle of some values, which it sorts; of an even number the mean of the two in the middle.
+/// The median of some values, which it sorts.
 fn median(values: &mut [f64]) -> Option<f64> {
     values.sort_by(f64::total_cmp);
-    let middle = values.len() / 2;
-    let upper = *values.get(middle)?;
-    Some(if values.len() % 2 == 1 { upper } else { 0.5 * (values[middle - 1] + upper) })
+    quantile(values, 0.5)
 }
 
 /// The places whose stiffness is farthest from the median of those with the nearest contact angles.

@@ -65,7 +65,8 @@ impl Percentiles {
             return None;
         }
         values.sort_by(f64::total_cmp);
-        let [percentile_0_15, percentile_50, percentile_99_85] = SHARES.map(|share| quantile(&values, share));
+        let [percentile_0_15, percentile_50, percentile_99_85] =
+            SHARES.map(|share| quantile(&values, share).unwrap_or(f64::NAN));
         Some(Self { percentile_0_15, percentile_50, percentile_99_85 })
     }
 

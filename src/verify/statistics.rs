@@ -59,7 +59,7 @@ pub(super) fn numbers(sample: &[Member], without: Range<usize>, step: f64) -> [f
         of[1] = rms(&forces);
         forces.sort_by(f64::total_cmp);
         for (n, share) in QUANTILES.into_iter().enumerate() {
-            of[2 + n] = quantile(&forces, share);
+            of[2 + n] = quantile(&forces, share).unwrap_or(f64::NAN);
         }
     }
     found[2 * OF_FORCE] = members().filter(|member| member.separates).count() as f64 / (count * step);
@@ -76,11 +76,11 @@ pub(super) fn differences([a, b]: [&History; 2], rows: Range<usize>, limits: &Li
     std::array::from_fn(|n| (a[n] - b[n]).abs())
 }
 
-/// The value below which a share of the ascending values lies, on straight lines between them.
-pub(super) fn quantile(ascending: &[f64], share: f64) -> f64 {
-    let place = share * (ascending.len() - 1) as f64;
+/// The value below which a share of the ascending values lies, on straight lines between them (type 7 of Hyndman and Fan, 1996); none of no values.
+pub(crate) fn quantile(ascending: &[f64], share: f64) -> Option<f64> {
+    let place = share.clamp(0.0, 1.0) * ascending.len().checked_sub(1)? as f64;
     let (below, above) = (ascending[place.floor() as usize], ascending[place.ceil() as usize]);
-    below + place.fract() * (above - below)
+    Some(below + place.fract() * (above - below))
 }
 
 /// Below which 95 % of the sizes of Student's t lie with so many degrees of freedom, two at least: the expansion for many (Abramowitz and

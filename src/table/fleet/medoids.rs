@@ -5,8 +5,9 @@
 
 use std::ops::RangeInclusive;
 
-use super::robust::{quantile, sorted};
+use super::robust::sorted;
 use super::shape::Shape;
+use crate::verify::quantile;
 
 /// Shapes of a sample.
 const SAMPLE: usize = 600;

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use crate::verify::quantile;
+
 /// Quantile of the normal distribution for a two-sided interval of 95 %.
 const TWO_SIDED_95: f64 = 1.959_964;
 /// Standard deviation of a normal distribution over its median absolute deviation.
@@ -16,14 +18,6 @@ pub fn sorted(values: impl IntoIterator<Item = f64>) -> Vec<f64> {
     let mut values: Vec<f64> = values.into_iter().filter(|value| value.is_finite()).collect();
     values.sort_by(f64::total_cmp);
     values
-}
-
-/// The quantile of ascending values, between neighbours in proportion (type 7 of Hyndman and Fan, 1996); none of no values.
-pub fn quantile(sorted: &[f64], part: f64) -> Option<f64> {
-    let last = sorted.len().checked_sub(1)?;
-    let at = part.clamp(0.0, 1.0) * last as f64;
-    let (low, high) = (sorted[at.floor() as usize], sorted[at.ceil() as usize]);
-    Some(low + (at - at.floor()) * (high - low))
 }
 
 /// The quantiles of 5, 50 and 95 % of some values.

@@ -1,6 +1,7 @@
 //! How far a measured profile is from its standard.
 
-use super::robust::{quantile, sorted};
+use super::robust::sorted;
+use crate::verify::quantile;
 
 /// Deviation of a measured wheel or rail from its standard along the profile.
 #[derive(Debug, Clone, PartialEq, Default)]

@@ -3,11 +3,12 @@
 use super::bodies::{Bodies, Body};
 use super::kind::Kind;
 use super::quantity::{Quantity, Role, with_role};
-use super::robust::{band, bins, quantile, sorted};
+use super::robust::{band, bins, sorted};
 use super::section::{BAND, Figure, Section, Table};
 use crate::report::number::{WIDTH, number};
 use crate::report::panel::{Panel, stacked};
 use crate::report::plot::{DARK, Dash, Marker, Series};
+use crate::verify::quantile;
 
 /// Bins at most.
 const BINS: usize = 12;

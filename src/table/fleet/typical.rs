@@ -8,11 +8,12 @@ use super::about::About;
 use super::bodies::Bodies;
 use super::counts::named;
 use super::medoids::Groups;
-use super::robust::{quantile, sorted};
+use super::robust::sorted;
 use super::section::{Section, Table, deviations};
 use super::shape::{Shape, Shapes};
 use crate::report::number::round;
 use crate::rounding::significant;
+use crate::verify::quantile;
 
 /// Numbers of groups that are tried.
 const COUNTS: std::ops::RangeInclusive<usize> = 2..=8;
