@@ -1,9 +1,10 @@
 //! The places of a table on a Dask cluster, through the Python package of `cluster/`.
 //!
-//! The package gets the cases that are missing, one line each, as it asks for them; it sends their steps to the workers, where
+//! The package gets the cases that are missing, some in a line, as it asks for them; it sends their steps to the workers, where
 //! `railspring work` does them, and puts the entries that come back into the store. What stands in the store is then taken from it, so that a table comes to
 //! the same bytes wherever its places were made.
 
+use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader, BufWriter, Write};
 use std::path::Path;
 use std::process::{ChildStdin, Stdio};
@@ -19,7 +20,7 @@ use crate::engine::output::TEMPORARY;
 use crate::engine::store::Store;
 use crate::python::{Python, cache_folder};
 use crate::results::bodies::estimate::Resources;
-use crate::table::{Places, SentCase, Table};
+use crate::table::{Package, Places, Table};
 
 /// Pause between two looks at whether the user wants to stop.
 const PAUSE: Duration = Duration::from_millis(100);
@@ -103,7 +104,7 @@ impl Cluster<'_> {
         let mut sent = Vec::new();
         let mut stays: Option<(usize, &'static str)> = None;
         for (case, shifts) in places.wanted() {
-            match SentCase::obstacle(&table.cases[case]) {
+            match Package::obstacle(&table.cases[case]) {
                 None => sent.push((case, shifts)),
                 Some(reason) => stays = Some((stays.map_or(1, |(count, _)| count + 1), reason)),
             }
@@ -211,20 +212,24 @@ impl Cluster<'_> {
     }
 }
 
-/// Writes settings and cases, a line each, as far as the client reads them.
+/// Writes settings and packages of cases, a line each, as far as the client reads them.
 fn send(input: ChildStdin, settings: &serde_json::Value, table: &Table, cases: &[(usize, Vec<f64>)]) {
     let mut input = BufWriter::new(input);
     let mut send = || -> std::io::Result<()> {
         writeln!(input, "{settings}")?;
-        for (number, shifts) in cases {
-            let case = &table.cases[*number];
-            let study = SentCase::of(table, case);
-            let name = format!("{} on {}", case.wheel, case.rail);
-            writeln!(
-                input,
-                "{}",
-                json!({ "case": number, "name": name, "shifts_mm": shifts, "study": study })
-            )?;
+        let shifts: BTreeMap<usize, &Vec<f64>> =
+            cases.iter().map(|(number, shifts)| (*number, shifts)).collect();
+        let numbers: Vec<usize> = shifts.keys().copied().collect();
+        for numbers in Package::groups(table, &numbers) {
+            let first = &table.cases[numbers[0]];
+            let name = match numbers.len() {
+                1 => format!("{} on {}", first.wheel, first.rail),
+                more => format!("{} on {} and {} others", first.wheel, first.rail, more - 1),
+            };
+            let shifts: Vec<&Vec<f64>> = numbers.iter().map(|number| shifts[number]).collect();
+            let package = Package::of(table, &numbers);
+            let line = json!({ "cases": numbers, "name": name, "shifts_mm": shifts, "package": package });
+            writeln!(input, "{line}")?;
         }
         input.flush()
     };

@@ -2,7 +2,7 @@
 //!
 //! * [`TableDocument`]: the file; [`Table`]: its cases, each of which is a study;
 //! * [`Places`]: the places of all cases, taken from the store or made, each kept there by itself;
-//! * [`SentCase`], [`Work`]: a case and a step of it as another machine gets them;
+//! * [`Package`], [`Work`]: cases that go to another machine together, and a step of them;
 //! * [`rows`]: what `table.csv` has of a place; [`changes`]: what is different from an earlier table;
 //! * [`record()`]: `table.json`; [`page()`]: `table.html`; [`fleet`]: what there is to see in many measured profiles.
 
@@ -40,4 +40,4 @@ pub use page::page;
 pub use places::{Place, Places, Plan};
 pub use record::{CaseRecord, FileRecord, PlaceEntry, TableRecord, record};
 pub use surfaces::{DeviationRecord, MeasuredRecord, RailRecord, WheelRecord};
-pub use work::{Answer, SentCase, Work};
+pub use work::{Answer, Package, Work};

@@ -204,3 +204,44 @@ fn the_wheels_of_a_folder_share_their_bodies() {
         }
     }
 }
+
+/// Goal: one wheel in a hundred, by the hash of what its springs depend on, is pressed on its own bodies as well. Its columns have what these change: the
+/// difference between its row with `bodies = "own"` and the one it has, within the band. Source: the worn wheel lowered by micrometres until its hash is one of these; the same wheel on its
+/// own bodies. Accuracy: ROUNDOFF of the values in the file; GRID as above.
+#[test]
+fn one_wheel_in_a_hundred_is_pressed_on_its_own_bodies() {
+    const ROUNDOFF: f64 = 1e-9;
+    const GRID: f64 = 0.5e-2;
+    let place = Place::new(TABLE);
+    std::fs::create_dir(place.path("measured")).unwrap();
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/profiles/worn-s1002.whl");
+    let worn = read(&file, &ReadOptions::default()).unwrap();
+    let is_checked = |lower: u32| {
+        let mut points = worn.points.clone();
+        points.iter_mut().for_each(|point| point.point.y += 1e-6 * f64::from(lower));
+        place.write("measured/one.whl", &write(ProfileFormat::Csv, ProfileKind::Wheel, &points, "worn"));
+        let table = Table::read(&place.path("table.toml")).unwrap();
+        let hash = railspring::hash::key(&table.cases[0].study.statics());
+        u32::from_str_radix(&hash[..8], 16).unwrap().is_multiple_of(100)
+    };
+    assert!((0..2000).any(is_checked), "a hash of a hundred ends in two zeros");
+    let run = |table: &str| -> BTreeMap<String, String> {
+        place.write("table.toml", table);
+        let (code, said) = place.run(&["table", "table.toml", "-o", "out"]);
+        assert_eq!(code, Some(0), "{said}");
+        rows(&place).remove(0)
+    };
+    let (shared, own) = (run(TABLE), run(&TABLE.replace("shifts_mm", "bodies = \"own\"\nshifts_mm")));
+    let number = |row: &BTreeMap<String, String>, column: &str| row[column].parse::<f64>().unwrap();
+    for (value, found, band, grid) in [
+        ("displacement_mm", "displacement_rel_own_bodies", "displacement_rel_bodies_band", 0.0),
+        ("stiffness_kn_per_m", "stiffness_rel_own_bodies", "stiffness_rel_bodies_band", GRID),
+        ("horizontal_kn_per_m", "horizontal_rel_own_bodies", "horizontal_rel_bodies_band", 0.0),
+    ] {
+        let value = format!("{value}_at_20kn");
+        let change = number(&own, &value) / number(&shared, &value) - 1.0;
+        assert!((number(&shared, found) - change).abs() < ROUNDOFF, "{value}: {change}");
+        assert!(change != 0.0 && change.abs() < number(&shared, band) + grid, "{value}: {change}");
+        assert_eq!(own[found], "");
+    }
+}

@@ -143,7 +143,7 @@ fn made(args: &TableArgs, table: &Table) -> Result<bool, Error> {
     let store = Store::open(&args.work.store())?;
     table.notices.iter().for_each(|notice| resources.monitor.notice(notice));
     let places = Places::of(table, &store, args.fresh, resources);
-    let plan = places.plan()?;
+    let plan = places.plan(args.dry_run)?;
     if args.dry_run {
         progress.finish();
         let text = plan.text();

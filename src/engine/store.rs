@@ -58,12 +58,14 @@ pub enum Kind {
     Verdict,
     /// A report.
     Report,
+    /// Which bodies a pair of a table has.
+    Prepared,
     /// The program's own test.
     SelfTest,
 }
 
 impl Kind {
-    const ALL: [Self; 12] = [
+    const ALL: [Self; 13] = [
         Self::Body,
         Self::Calibration,
         Self::ByAngle,
@@ -75,6 +77,7 @@ impl Kind {
         Self::Meshes,
         Self::Verdict,
         Self::Report,
+        Self::Prepared,
         Self::SelfTest,
     ];
 
@@ -92,6 +95,7 @@ impl Kind {
             Self::Meshes => "meshes",
             Self::Verdict => "verdict",
             Self::Report => "report",
+            Self::Prepared => "prepared",
             Self::SelfTest => "self-test",
         }
     }

@@ -52,11 +52,11 @@ pub(super) fn is_checked(key: &str) -> bool {
 }
 
 impl BodiesRecord {
-    /// Surfaces that lie off the bodies by so much (m), or on their own.
+    /// Surfaces on their own bodies.
+    pub const OWN: Self = Self { of: BodiesKey::Own, carried: None };
+
+    /// Surfaces that lie off the contact nodes of the bodies of their standards by at most so much, m.
     pub fn off(off: f64) -> Self {
-        if off == 0.0 {
-            return Self { of: BodiesKey::Own, carried: None };
-        }
         let off_mm = off / MILLIMETRE;
         // docs/design/shared-bodies.md: what bodies of the worn profiles changed, by a millimetre of wear, and by the meshes alone
         let band = |by_mm: f64| 1e-3 + by_mm * off_mm;

@@ -14,7 +14,7 @@ use super::shared::{Common, OnBodies, Sharing};
 use super::surfaces::MeasuredRecord;
 use crate::engine::store::{Address, Artefact, Kind, Store};
 use crate::hash::key;
-use crate::results::bodies::estimate::{self, Resources, Room, Work};
+use crate::results::bodies::estimate::{self, Beside, Resources, Room, Work};
 use crate::results::bodies::geometry::{self, Geometry};
 use crate::results::bodies::input::SolidsInput;
 use crate::results::bodies::meshes::{self, Meshes};
@@ -28,6 +28,8 @@ use crate::study::{ResolvedKey, Study};
 
 /// Part of an artefact: the place.
 const PLACE: &str = "place.json";
+/// The same: which bodies a pair has.
+const PREPARED: &str = "prepared.json";
 
 /// What a place has come to.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -161,8 +163,8 @@ impl CaseWork<'_> {
             let geometry = geometry::geometry(input.statics)?;
             let options = zones::mesh_options(input.statics, &geometry);
             let work = Work::of(&input, true, false);
-            let (meshes, room) = estimate::meshes(&input, &geometry, options, &work, &self.resources)?;
-            Ok(Meshed { geometry, meshes, room })
+            let (meshes, beside) = estimate::meshes(&input, &geometry, options, &work, &self.resources)?;
+            Ok(Meshed { geometry, meshes, beside })
         })
     }
 
@@ -183,7 +185,8 @@ impl CaseWork<'_> {
         match sharing.on(self.study, on_bodies) {
             Ok(on_bodies) => {
                 let own = is_checked(&key(&self.study.statics())).then(|| self.without_band()).transpose()?;
-                Ok(Ready { own, ..Ready::new(self.study, *room, on_bodies) })
+                let bodies = Some(BodiesRecord::off(on_bodies.geometry.pair.off_bodies));
+                Ok(Ready { own, bodies, ..Ready::new(self.study, *room, on_bodies) })
             }
             // another inclination, or worn too far
             Err(Error::Input(_)) => self.own(),
@@ -209,44 +212,66 @@ impl CaseWork<'_> {
         }
     }
 
-    /// The same with its own bodies.
+    /// The same with its own bodies. Where the store has them, nothing is meshed.
     ///
     /// # Errors
     /// As [`Self::ready`].
-    pub fn own(&self) -> Result<Ready> {
-        let meshed = self.meshed()?;
-        self.with_keys(|| {
-            let Meshed { geometry, meshes, .. } = &meshed;
-            let (study, source) = (self.study, self.source(meshed.room));
-            let bodies = source.condensed(&solids::solids(study.statics(), geometry, meshes), "", 0)?;
-            let coarser = study
-                .statics()
-                .wants_error_band()
-                .then(|| source.coarser(study.statics(), geometry, meshes, 0))
-                .transpose()?;
-            let coarser = coarser.map(|coarser| (meshes.contact_element(), coarser));
-            Ok((bodies, coarser))
-        })
-        .map(|(bodies, coarser)| {
-            let Meshed { geometry, room, .. } = meshed;
-            Ready::new(self.study, room, OnBodies { geometry, bodies, coarser })
-        })
+    fn own(&self) -> Result<Ready> {
+        let known = self.kept().map_or(Ok(None), |prepared| self.own_from(&prepared))?;
+        known.map_or_else(|| self.condensed(), Ok)
     }
 
-    /// The case up to its bodies, which the store has, without meshes; none where one is missing.
+    /// The case on its own bodies, which are condensed unless the store has them.
+    fn condensed(&self) -> Result<Ready> {
+        let meshed = self.meshed()?;
+        let room = self.room(meshed.beside);
+        let (bodies, coarser) = self.with_keys(|| {
+            let Meshed { geometry, meshes, .. } = &meshed;
+            let (statics, source) = (self.study.statics(), self.source(room));
+            let bodies = source.condensed(&solids::solids(statics, geometry, meshes), "", 0)?;
+            let coarser = statics
+                .wants_error_band()
+                .then(|| source.coarser(statics, geometry, meshes, 0))
+                .transpose()?;
+            Ok((bodies, coarser.map(|coarser| (meshes.contact_element(), coarser))))
+        })?;
+        if self.keeps_bodies() {
+            self.keep(&self.prepared_of(&meshed));
+        }
+        Ok(Ready::new(self.study, room, OnBodies { geometry: meshed.geometry, bodies, coarser }))
+    }
+
+    /// Address of what the case needs to be pressed without its meshes.
+    pub fn address_of_bodies(&self) -> Address {
+        Address::of(Kind::Prepared, &self.study.statics())
+    }
+
+    /// What the store says that it needs.
+    fn kept(&self) -> Option<Prepared> {
+        let trouble = |text: String| self.said.notice(&text);
+        self.store.take_as(&self.address_of_bodies(), |artefact| artefact.json(PREPARED), &trouble)
+    }
+
+    fn keep(&self, prepared: &Prepared) {
+        let content = serde_json::to_vec(prepared).expect("records are plain data");
+        let artefact = Artefact::default().with(PREPARED, content);
+        let (address, name) = (self.address_of_bodies(), self.settings.name);
+        self.store.keep(&address, "which bodies a pair has", name, &artefact, &|text| {
+            self.said.notice(&text);
+        });
+    }
+
+    fn room(&self, beside: Beside) -> Room {
+        Room::of(beside, self.resources.budget)
+    }
+
+    /// The case on its own bodies without meshes; none where the store lacks one.
     ///
     /// # Errors
     /// Those of the geometry, and bodies that are no pair.
-    pub fn ready_from(&self, prepared: &Prepared) -> Result<Option<Ready>> {
-        let sharing = self.with_keys(|| Sharing::of(self.study, self.settings.bodies))?;
-        let Some(sharing) = sharing else { return self.own_from(prepared) };
-        let nominal = CaseWork { study: &sharing.nominal, ..*self }.own_from(prepared)?;
-        nominal.map(|nominal| self.carried(sharing, &nominal)).transpose()
-    }
-
     fn own_from(&self, prepared: &Prepared) -> Result<Option<Ready>> {
-        let Prepared { bodies: [own, coarser], contact_elements: [element, of_coarser] } = prepared;
-        let (study, room) = (self.study, Room::default());
+        let Prepared { bodies: [own, coarser], contact_elements: [element, of_coarser], beside } = prepared;
+        let (study, room) = (self.study, self.room(*beside));
         let of_pair = self.of_pair();
         let known = |keys: &[String]| {
             let bodies: Vec<_> = of_pair.iter().copied().zip(keys.iter().cloned()).collect();
@@ -265,8 +290,21 @@ impl CaseWork<'_> {
         })
     }
 
-    /// What the case needs to be pressed without its meshes. Coarser meshes that cannot be made have no bodies: their place says why.
-    pub fn prepared(&self, meshed: &Meshed) -> Prepared {
+    /// What the case needs to be pressed without its meshes, as the store says or as these tell; the store has it afterwards.
+    ///
+    /// # Errors
+    /// As [`Self::meshed`].
+    pub fn prepared(&self) -> Result<Prepared> {
+        if let Some(kept) = self.kept() {
+            return Ok(kept);
+        }
+        let prepared = self.prepared_of(&self.meshed()?);
+        self.keep(&prepared);
+        Ok(prepared)
+    }
+
+    /// What the meshes tell. Coarser ones that cannot be made have no bodies: the place says why.
+    pub fn prepared_of(&self, meshed: &Meshed) -> Prepared {
         let Meshed { geometry, meshes, .. } = meshed;
         let own_mesh = self.study.rail.mesh.is_none() && self.study.wheel.mesh.is_none();
         let coarser = (self.study.statics().wants_error_band() && own_mesh)
@@ -280,6 +318,7 @@ impl CaseWork<'_> {
             bodies: [keys(meshes), coarser.as_ref().map(keys).unwrap_or_default()],
             contact_elements: [Some(meshes), coarser.as_ref()]
                 .map(|meshes| meshes.map_or(0.0, Meshes::contact_element)),
+            beside: meshed.beside,
         }
     }
 
@@ -302,7 +341,11 @@ impl CaseWork<'_> {
     /// Those of meshing and condensing.
     pub fn condense(&self, meshed: &Meshed, BodyOfCase { coarser, body }: BodyOfCase) -> Result<()> {
         let meshes = if coarser { &self.coarser(meshed)? } else { &meshed.meshes };
-        self.source(meshed.room).one(&solids::solids(self.study.statics(), &meshed.geometry, meshes), body, 0)
+        self.source(self.room(meshed.beside)).one(
+            &solids::solids(self.study.statics(), &meshed.geometry, meshes),
+            body,
+            0,
+        )
     }
 
     fn coarser(&self, Meshed { geometry, meshes, .. }: &Meshed) -> Result<Meshes> {
@@ -411,8 +454,7 @@ impl CaseWork<'_> {
 pub(super) struct Meshed {
     geometry: Geometry,
     meshes: Meshes,
-    /// What there is room for at the same time.
-    room: Room,
+    beside: Beside,
 }
 
 /// A case up to its condensed bodies.
@@ -426,11 +468,11 @@ pub(super) struct Ready {
 }
 
 impl Ready {
-    /// That of a case on its bodies.
+    /// That of a case on its own bodies.
     fn new(study: &Study, room: Room, on_bodies: OnBodies) -> Self {
         let (statics, geometry) = (study.statics(), &on_bodies.geometry);
         let measured = MeasuredRecord::of(statics, geometry);
-        let bodies = measured.is_some().then(|| BodiesRecord::off(geometry.pair.off_bodies));
+        let bodies = measured.is_some().then_some(BodiesRecord::OWN);
         Self { room, on_bodies, measured, bodies, own: None }
     }
 
@@ -448,6 +490,8 @@ pub(super) struct Prepared {
     bodies: [Vec<String>; 2],
     /// Larger edges of their contact elements, m.
     contact_elements: [f64; 2],
+    /// What is in memory at the same time while the pair is made.
+    beside: Beside,
 }
 
 /// Tangent stiffness of Hertz's contact of the profiles at a shift (m), with the radii of curvature at the first touch, under normal forces

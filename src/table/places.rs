@@ -9,7 +9,6 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use railspring_profiles::error::{Error, Result, unless_interrupted};
 use railspring_profiles::monitor::Monitor;
-use railspring_profiles::units::MILLIMETRE;
 use rayon::prelude::*;
 
 use super::cases::{Case, Table};
@@ -128,11 +127,11 @@ impl<'a> Places<'a> {
         Self { table, store, resources, nominals: Common::default(), places, records }
     }
 
-    /// What is going to be done.
+    /// What is going to be done; with what it takes where that is to be `estimated`, for which one pair is meshed.
     ///
     /// # Errors
     /// An interruption.
-    pub fn plan(&self) -> Result<Plan> {
+    pub fn plan(&self, estimated: bool) -> Result<Plan> {
         let missing = self.missing();
         // beside a measured profile the contact zones go deeper, so that a body may be needed twice
         let bodies = |part: usize| {
@@ -151,9 +150,10 @@ impl<'a> Places<'a> {
         let [wheels, rails] = [bodies(0), bodies(1)];
         let refused = |place: &&Place| self.table.cases[place.case].refused.is_some();
         let refused = self.places.iter().filter(refused).count();
-        let needs = match missing.first_key_value() {
+        let bodies = wheels + rails;
+        let needs = match missing.first_key_value().filter(|_| estimated) {
             None => None,
-            Some((first, shifts)) => self.needs(*first, shifts.len(), wheels + rails, missing.len())?,
+            Some((first, shifts)) => self.needs(*first, shifts.len(), bodies, missing.len())?,
         };
         Ok(Plan {
             cases: self.table.cases.len(),
@@ -161,7 +161,7 @@ impl<'a> Places<'a> {
             kept: self.records.iter().flatten().count() - refused,
             refused,
             cases_made: missing.len(),
-            bodies: wheels + rails,
+            bodies,
             needs,
         })
     }
@@ -169,18 +169,21 @@ impl<'a> Places<'a> {
     /// Time and memory of `bodies` and `cases` by the estimate of one of them at so many `places`, which the others resemble.
     fn needs(&self, case: usize, places: usize, bodies: usize, cases: usize) -> Result<Option<(f64, f64)>> {
         let mut study = self.table.cases[case].study.clone();
-        study.shifts = Some((0..places).map(|n| n as f64 * MILLIMETRE).collect());
+        // a place on one thread; the threads share those of all cases
+        study.shifts = Some(vec![0.0]);
         let silent = Beneath::silent(self.resources.monitor);
         let resources = Resources { monitor: &silent, ..self.resources };
         let work = Work { calibrate: true, ..Work::default() };
-        match estimate::dry_run(&SolidsInput::of(&study), &work, &resources) {
+        let input = SolidsInput::of(&study);
+        match estimate::dry_run(&input, &work, &resources) {
             Err(Error::Interrupted) => Err(Error::Interrupted),
             // said of the case itself when it is made
             Err(_) => Ok(None),
             Ok(estimate) => {
                 let seconds = |stage: usize| estimate.stages.get(stage).map_or(0.0, |stage| stage.seconds);
-                let pairs = 0.5 * bodies as f64;
-                Ok(Some((pairs * seconds(0) + cases as f64 * seconds(1), estimate.memory())))
+                let threads = rayon::current_num_threads() as f64;
+                let pressed = (places * cases) as f64 * seconds(1) / threads;
+                Ok(Some((0.5 * bodies as f64 * estimate.condensing_seconds + pressed, estimate.memory())))
             }
         }
     }

@@ -1,4 +1,4 @@
-//! The steps of a case on another machine: what it gets, what it does with it, and what it answers. A step needs nothing but its store.
+//! The steps of cases on another machine: what it gets, what it does with it, and what it answers. A step needs nothing but its store.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -12,22 +12,34 @@ use serde_json::{Map, Value};
 
 use super::cases::{Case, Table, text_of_keys};
 use super::document::{BodiesKey, DirectionKey};
-use super::making::{BodyOfCase, CaseWork, Prepared, Settings};
-use super::shared::Common;
+use super::making::{BodyOfCase, CaseWork, Settings};
+use super::shared::{Common, nominal, shares};
 use crate::engine::store::Store;
 use crate::hash::key;
 use crate::results::bodies::estimate::Resources;
 use crate::results::bodies::source::body_address;
 use crate::study::Study;
 
-/// A case that goes to another machine: its keys, with the files that they name.
+/// Cases of a package at most.
+const LARGEST_PACKAGE: usize = 100;
+/// Packages that a table comes to at least, where it has as many cases.
+const LEAST_PACKAGES: usize = 64;
+
+/// Cases that go to another machine together: they are pressed on the same bodies.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct SentCase {
+pub struct Package {
     table: String,
     direction: DirectionKey,
     bodies: BodiesKey,
     stiffness_at_kn: Vec<f64>,
+    cases: Vec<SentCase>,
+}
+
+/// A case of a package: its keys, with the files that they name.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SentCase {
     /// The keys of the study; files are named as in `files`.
     keys: Map<String, Value>,
     /// Content of the files (base64).
@@ -36,7 +48,7 @@ pub struct SentCase {
     springs: String,
 }
 
-/// A step of a case.
+/// A step of a package.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Work {
@@ -45,35 +57,33 @@ pub struct Work {
     /// Whether places that the store has are made again.
     fresh: bool,
     step: Step,
-    case: SentCase,
+    package: Package,
 }
 
 /// What is done.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "do", rename_all = "kebab-case", deny_unknown_fields)]
 enum Step {
-    /// Mesh the bodies, and say which they are.
+    /// Say which bodies are needed, for which they are meshed.
     Prepare,
     /// Condense the body of an entry.
     Condense { entry: String },
-    /// Press the pair, which was prepared, at shifts towards the rail, mm.
-    Press { shifts_mm: Vec<f64>, prepared: Prepared },
+    /// Press each case at its shifts towards the rail, mm.
+    Press { shifts_mm: Vec<Vec<f64>> },
 }
 
 /// What has come of a step.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Answer {
-    /// Why the case cannot be made, wherever it is tried.
-    refused: Option<String>,
-    /// The bodies that it needs.
+    /// Why cases cannot be made, wherever they are tried, by their numbers in the package.
+    refused: Vec<(usize, String)>,
+    /// The bodies that they need.
     bodies: Vec<NeededBody>,
-    /// What it is pressed with, for its last step.
-    prepared: Option<Prepared>,
     /// Files of the store that were made, or were there.
     entries: Vec<String>,
 }
 
-/// A body that a case needs.
+/// A body that cases need.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 struct NeededBody {
     /// Its name in messages.
@@ -82,7 +92,7 @@ struct NeededBody {
     entry: String,
 }
 
-impl SentCase {
+impl Package {
     /// Why a case stays on this machine: a mesh file, which another program reads, or a slice among several.
     pub fn obstacle(case: &Case) -> Option<&'static str> {
         let Study { rail, wheel, .. } = &case.study;
@@ -93,9 +103,37 @@ impl SentCase {
         measured.any(|measured| measured.part.is_some()).then_some("slices are chosen on this machine")
     }
 
-    /// A case of a table without an [`obstacle`](Self::obstacle).
-    pub fn of(table: &Table, case: &Case) -> Self {
+    /// Those of so many cases of a table that go together, by their numbers: measured profiles on the bodies of the same standards, in packages of at most
+    /// [`LARGEST_PACKAGE`]; every other case by itself.
+    pub fn groups(table: &Table, cases: &[usize]) -> Vec<Vec<usize>> {
+        let bodies = table.document.bodies();
+        let mut alike: BTreeMap<String, Vec<usize>> = BTreeMap::new();
+        let mut groups = Vec::new();
+        for &number in cases {
+            let study = &table.cases[number].study;
+            if shares(study, bodies) {
+                alike.entry(key(&nominal(study).statics())).or_default().push(number);
+            } else {
+                groups.push(vec![number]);
+            }
+        }
+        // small ones where there are few, so that all workers have some
+        let size = cases.len().div_ceil(LEAST_PACKAGES).clamp(1, LARGEST_PACKAGE);
+        groups.extend(alike.values().flat_map(|numbers| numbers.chunks(size)).map(<[usize]>::to_vec));
+        groups.sort();
+        groups
+    }
+
+    /// Cases of a table, by their numbers, without an [`obstacle`](Self::obstacle).
+    pub fn of(table: &Table, cases: &[usize]) -> Self {
         let Settings { name, direction, bodies, stiffness_at_kn } = Settings::of(&table.document);
+        let cases = cases.iter().map(|number| SentCase::of(&table.cases[*number])).collect();
+        Self { table: name.into(), direction, bodies, stiffness_at_kn: stiffness_at_kn.to_vec(), cases }
+    }
+}
+
+impl SentCase {
+    fn of(case: &Case) -> Self {
         let Study { rail, wheel, .. } = &case.study;
         let mut keys = case.keys();
         let mut files = BTreeMap::new();
@@ -117,8 +155,7 @@ impl SentCase {
                 send(section, "section_file", &own.path, &own.content);
             }
         }
-        let (stiffness_at_kn, springs) = (stiffness_at_kn.to_vec(), key(&case.study.statics()));
-        Self { table: name.into(), direction, bodies, stiffness_at_kn, keys, files, springs }
+        Self { keys, files, springs: key(&case.study.statics()) }
     }
 
     /// The study, with its files in `folder`.
@@ -127,6 +164,7 @@ impl SentCase {
             let expected = "a case as `railspring table` sends it";
             InputError::new("case", value, expected, "run the same program on all machines")
         };
+        std::fs::create_dir(folder).map_err(|cause| unusable(cause.to_string()))?;
         for (name, content) in &self.files {
             let content = STANDARD.decode(content).map_err(|cause| unusable(format!("{name}: {cause}")))?;
             // a name without a folder
@@ -161,18 +199,23 @@ impl Work {
             let expected = "a temporary folder that can be written";
             InputError::new("temporary folder", cause, expected, "make room, or set TMPDIR to another one")
         })?;
-        let study = self.case.study(folder.path())?;
-        let SentCase { table, direction, bodies, stiffness_at_kn, .. } = &self.case;
+        let Package { table, direction, bodies, stiffness_at_kn, cases } = &self.package;
         let settings = Settings { name: table, direction: *direction, bodies: *bodies, stiffness_at_kn };
+        let studies: Vec<Study> = cases
+            .iter()
+            .enumerate()
+            .map(|(number, case)| case.study(&folder.path().join(number.to_string())))
+            .collect::<Result<_>>()?;
         let (nominals, said) = (&Common::default(), resources.monitor);
-        let case = CaseWork { study: &study, settings, store, nominals, resources, said };
+        let cases: Vec<CaseWork<'_>> = studies
+            .iter()
+            .map(|study| CaseWork { study, settings, store, nominals, resources, said })
+            .collect();
         let answer = match &self.step {
-            Step::Prepare => case.with_bodies(prepared),
-            Step::Condense { entry } => case.with_bodies(|case| condensed(case, entry)),
-            Step::Press { shifts_mm, prepared } => self.pressed(&case, shifts_mm, prepared),
+            Step::Prepare => first_of(&cases, prepared)?,
+            Step::Condense { entry } => first_of(&cases, |case| condensed(case, entry))?,
+            Step::Press { shifts_mm } => self.pressed(&cases, shifts_mm)?,
         };
-        let refused = |reason| Answer { refused: Some(reason), ..Answer::default() };
-        let answer = or_reason(answer)?.unwrap_or_else(refused);
         // a result that the store does not keep goes nowhere
         let absent = |entry: &&String| !store.path().join(entry).is_file();
         if let Some(absent) = answer.entries.iter().find(absent) {
@@ -189,37 +232,59 @@ impl Work {
         Ok(answer)
     }
 
-    fn pressed(&self, case: &CaseWork<'_>, shifts: &[f64], prepared: &Prepared) -> Result<Answer> {
-        let address = |shift: &f64| case.settings.address(case.study, *shift);
-        let missing: Vec<f64> =
-            shifts.iter().copied().filter(|shift| self.fresh || !case.has_place(*shift)).collect();
-        if !missing.is_empty() {
-            let ready = match case.ready_from(prepared)? {
-                Some(ready) => ready,
-                None => case.ready()?,
-            };
-            missing.par_iter().map(|shift| case.place(&ready, *shift).map(drop)).collect::<Result<()>>()?;
+    /// The cases of a package at their shifts, beside each other.
+    fn pressed(&self, cases: &[CaseWork<'_>], shifts: &[Vec<f64>]) -> Result<Answer> {
+        let press = |(case, shifts): (&CaseWork<'_>, &Vec<f64>)| -> Result<Vec<String>> {
+            let missing: Vec<f64> =
+                shifts.iter().copied().filter(|shift| self.fresh || !case.has_place(*shift)).collect();
+            if !missing.is_empty() {
+                let ready = case.ready()?;
+                missing
+                    .par_iter()
+                    .map(|shift| case.place(&ready, *shift).map(drop))
+                    .collect::<Result<()>>()?;
+            }
+            Ok(shifts.iter().map(|shift| case.settings.address(case.study, *shift).file()).collect())
+        };
+        let made: Vec<std::result::Result<Vec<String>, String>> =
+            cases.par_iter().zip(shifts).map(|case| or_reason(press(case))).collect::<Result<_>>()?;
+        let mut answer = Answer::default();
+        for (number, made) in made.into_iter().enumerate() {
+            match made {
+                Ok(entries) => answer.entries.extend(entries),
+                Err(reason) => answer.refused.push((number, reason)),
+            }
         }
-        Ok(Answer {
-            entries: shifts.iter().map(|shift| address(shift).file()).collect(),
-            ..Answer::default()
-        })
+        Ok(answer)
     }
 }
 
+/// What the first case of a package that can be made says for all; those before it are refused.
+fn first_of(cases: &[CaseWork<'_>], of: impl Fn(&CaseWork<'_>) -> Result<Answer>) -> Result<Answer> {
+    let mut refused = Vec::new();
+    for (number, case) in cases.iter().enumerate() {
+        match or_reason(case.with_bodies(&of))? {
+            Ok(answer) => return Ok(Answer { refused, ..answer }),
+            Err(reason) => refused.push((number, reason)),
+        }
+    }
+    Ok(Answer { refused, ..Answer::default() })
+}
+
 fn prepared(case: &CaseWork<'_>) -> Result<Answer> {
-    let prepared = case.prepared(&case.meshed()?);
+    let prepared = case.prepared()?;
     let needed = case.bodies(&prepared).into_iter().map(|(body, key)| {
         let of_coarser = if body.coarser { " of coarser elements" } else { "" };
         NeededBody { name: format!("{}{of_coarser}", body.body.name()), entry: body_address(&key).file() }
     });
-    Ok(Answer { bodies: needed.collect(), prepared: Some(prepared), ..Answer::default() })
+    let entries = vec![case.address_of_bodies().file()];
+    Ok(Answer { bodies: needed.collect(), entries, ..Answer::default() })
 }
 
 fn condensed(case: &CaseWork<'_>, entry: &str) -> Result<Answer> {
     let meshed = case.meshed()?;
     let is_wanted = |(_, key): &(BodyOfCase, String)| body_address(key).file() == entry;
-    let Some((body, _)) = case.bodies(&case.prepared(&meshed)).into_iter().find(is_wanted) else {
+    let Some((body, _)) = case.bodies(&case.prepared_of(&meshed)).into_iter().find(is_wanted) else {
         let expected = "the file of one of the bodies of the case";
         return Err(InputError::new("entry", entry, expected, "run the same program on all machines").into());
     };

@@ -1,7 +1,8 @@
 """Sends the steps of a table to the workers and brings what they made into the store.
 
-A case is prepared first, which says what bodies it needs; a body is condensed once, whatever the number of cases that need it; then the case
-is pressed on its bodies, some places at a time. At most a few steps for each thread of the cluster are with the scheduler at the same time.
+Cases that need the same bodies come in packages. A package is prepared first, which says what these are; a body is condensed once, whatever the
+number of packages that need it; then the cases are pressed on their bodies. At most a few steps for each thread of the cluster are with the
+scheduler at the same time.
 A step that fails, or whose worker is lost, is done again elsewhere, a few times; one that takes much longer than others is done a second
 time beside the first. Either comes to the same bytes, which the names of the entries say.
 """
@@ -29,7 +30,7 @@ from . import worker
 from .worker import Settings, Suited, lose_silent, perform, put, suitability
 
 PLACES_PER_STEP = 12
-"""Places that are pressed in one step: so many are lost with a worker at most, and the bodies are read once for them."""
+"""Places of one case that are pressed in one step: the bodies are read once for them. A package of several cases is pressed in one step."""
 STEPS_PER_THREAD = 8
 """Steps with the scheduler for every thread of the cluster: enough that none waits, few enough that the scheduler has room."""
 LEAST_STEPS = 16
@@ -58,25 +59,34 @@ class Failed(Exception):
 
 
 @dataclass(eq=False)
-class Case:
-    """A case with places that are missing."""
+class Package:
+    """Cases that need the same bodies, with the places that are missing of each."""
 
-    number: int
+    cases: list[int]
+    """Their numbers in the table."""
     name: str
-    shifts: list[float]
-    study: dict[str, Any]
+    shifts: list[list[float]]
+    """Of each case; none of one that is refused."""
+    content: dict[str, Any]
+    """What `railspring work` reads of them."""
     bodies: list[str] = field(default_factory=list)
-    prepared: Any = None
+    prepared: Future | None = None
+    """The step that said which these are: its entry goes to those that press."""
     open: bool = True
+
+    @property
+    def places(self) -> int:
+        """Places that are missing."""
+        return sum(len(shifts) for shifts in self.shifts)
 
 
 @dataclass(eq=False)
 class Step:
-    """A step of a case, done again until it has an answer."""
+    """A step of a package, done again until it has an answer."""
 
     kind: str
     name: str
-    case: Case
+    package: Package
     what: dict[str, Any]
     places: int
     done: bool = False
@@ -90,14 +100,14 @@ class Step:
 class Table:
     """The steps of one table on a cluster."""
 
-    def __init__(self, client: Client, settings: Settings, cases: Iterator[Case], total: int) -> None:
-        self.client, self.settings, self.cases, self.total = client, settings, cases, total
+    def __init__(self, client: Client, settings: Settings, packages: Iterator[Package], total: int) -> None:
+        self.client, self.settings, self.packages, self.total = client, settings, packages, total
         self.token = uuid.uuid4().hex[:8]
         self.store = Path(settings.store)
         self.events: queue.SimpleQueue[Future] = queue.SimpleQueue()
         self.open: dict[str, Step] = {}
         self.condensed: dict[str, Step] = {}
-        self.waiting: dict[str, list[Case]] = defaultdict(list)
+        self.waiting: dict[str, list[Package]] = defaultdict(list)
         self.seconds: dict[str, list[float]] = defaultdict(list)
         self.counts: Counter[str] = Counter()
         self.more = True
@@ -115,7 +125,7 @@ class Table:
         self.from_workers(lambda: self.client.register_plugin(Suited(self.settings)))
         while True:
             self.look()
-            self.begin_cases()
+            self.begin_packages()
             if not self.open and not self.more:
                 left = self.total - self.counts["places"] - self.counts["refused"]
                 if left > 0 and not self.failures:
@@ -130,16 +140,16 @@ class Table:
 
     # what is begun
 
-    def begin_cases(self) -> None:
-        """Takes up cases as long as the cluster has use for them."""
+    def begin_packages(self) -> None:
+        """Takes up packages as long as the cluster has use for them."""
         if len(self.failures) >= GIVE_UP:
             self.more = False
         while self.more and len(self.open) < max(LEAST_STEPS, STEPS_PER_THREAD * self.threads):
-            case = next(self.cases, None)
-            if case is None:
+            package = next(self.packages, None)
+            if package is None:
                 self.more = False
                 return
-            self.begin(Step("prepare", f"prepare {case.name}", case, {"do": "prepare"}, len(case.shifts)))
+            self.begin(Step("prepare", f"prepare {package.name}", package, {"do": "prepare"}, package.places))
 
     def begin(self, step: Step, beside: bool = False) -> None:
         """Submits a step, again or beside itself too."""
@@ -148,11 +158,13 @@ class Table:
             step.attempts += 1
         step.begun = time.monotonic()
         key = f"{step.kind}-{step.name} #{self.number}-{self.settings.table}-{self.token}"
-        bodies = [] if step.kind != "press" else [self.condensed[entry].futures[-1] for entry in step.case.bodies]
+        needed = [] if step.kind != "press" else [self.condensed[entry].futures[-1] for entry in step.package.bodies]
+        if step.kind == "press" and step.package.prepared is not None:
+            needed.append(step.package.prepared)
         others = sorted(self.workers - step.avoid) if step.avoid else []
         # a function without a name in a module goes to the cluster by value, and with it what it calls
         future = self.client.submit(
-            lambda *given: perform(*given), self.settings, step.what, step.case.study, bodies,
+            lambda *given: perform(*given), self.settings, step.what, step.package.content, needed,
             key=key, resources={self.settings.name: 1}, priority=PRIORITY[step.kind], pure=False, retries=0,
             **({"workers": others, "allow_other_workers": True} if others else {}),
         )
@@ -160,15 +172,18 @@ class Table:
         self.open[key] = step
         future.add_done_callback(self.events.put)
 
-    def press(self, case: Case) -> None:
-        """Begins the places of a case whose bodies are all there."""
-        if not case.open or not all(self.condensed[entry].done for entry in case.bodies):
+    def press(self, package: Package) -> None:
+        """Begins the places of a package whose bodies are all there."""
+        if not package.open or not all(self.condensed[entry].done for entry in package.bodies):
             return
-        case.open = False
-        for first in range(0, len(case.shifts), PLACES_PER_STEP):
-            shifts = case.shifts[first : first + PLACES_PER_STEP]
-            what = {"do": "press", "shifts_mm": shifts, "prepared": case.prepared}
-            self.begin(Step("press", case.name, case, what, len(shifts)))
+        package.open = False
+        parts = [package.shifts]
+        if len(package.cases) == 1:
+            [shifts] = package.shifts
+            parts = [[shifts[first : first + PLACES_PER_STEP]] for first in range(0, len(shifts), PLACES_PER_STEP)]
+        for part in parts:
+            what = {"do": "press", "shifts_mm": part}
+            self.begin(Step("press", package.name, package, what, sum(len(shifts) for shifts in part)))
 
     # what has ended
 
@@ -184,7 +199,7 @@ class Table:
                 self.open.pop(other.key, None)
                 other.cancel()
             # the bytes of a body stay with the workers as long as somebody may need them
-            step.futures = [future] if step.kind == "condense" else []
+            step.futures = [future] if step.kind != "press" else []
             self.answered(step, answer)
         elif not any(other.key in self.open for other in step.futures):
             self.again(step, future, answer)
@@ -201,37 +216,51 @@ class Table:
             return None
 
     def answered(self, step: Step, answer: dict[str, Any]) -> None:
-        case = step.case
-        if answer.get("refused") is not None:
-            cases = [case] if step.kind != "condense" else self.waiting.pop(step.what["entry"], [])
-            for refused in cases:
-                refused.open = False
-                self.counts["refused"] += len(refused.shifts) if step.kind != "press" else step.places
-                say("refused", case=refused.number, reason=answer["refused"])
-            self.progress()
-            return
+        package = step.package
         if step.kind == "prepare":
-            case.bodies, case.prepared = [body["entry"] for body in answer["bodies"]], answer["prepared"]
+            self.refused(package, package.shifts, answer["refused"])
+            if not answer["entries"]:
+                return
+            package.bodies, package.prepared = [body["entry"] for body in answer["bodies"]], step.futures[0]
             for body in answer["bodies"]:
-                self.waiting[body["entry"]].append(case)
+                self.waiting[body["entry"]].append(package)
                 if body["entry"] not in self.condensed:
                     what = {"do": "condense", "entry": body["entry"]}
-                    condense = Step("condense", f"{body['name']} of {case.name}", case, what, 0)
+                    condense = Step("condense", f"{body['name']} of {package.name}", package, what, 0)
                     self.condensed[body["entry"]] = condense
                     self.begin(condense)
-            self.press(case)
+            self.press(package)
         elif step.kind == "condense":
+            waiting = self.waiting.pop(step.what["entry"], [])
+            if not answer["entries"]:
+                # no case that needs it can have it made
+                reason = answer["refused"][0][1]
+                for refused in waiting:
+                    refused.open = False
+                    self.refused(refused, refused.shifts, [[number, reason] for number in range(len(refused.cases))])
+                return
             step.done = True
-            for waiting in self.waiting.pop(step.what["entry"], []):
-                self.press(waiting)
+            for package in waiting:
+                self.press(package)
         else:
+            self.refused(package, step.what["shifts_mm"], answer["refused"])
             try:
                 for name, content in zip(answer["entries"], answer["contents"] or (), strict=False):
                     put(self.store, name, content)
             except OSError as cause:
                 raise Failed(f"{self.store}: {cause}") from None
-            self.counts["places"] += step.places
+            self.counts["places"] += len(answer["entries"])
             self.progress()
+
+    def refused(self, package: Package, shifts: list[list[float]], reasons: list[list[Any]]) -> None:
+        """Cases that cannot be made anywhere: their shifts are not asked for again."""
+        for number, reason in reasons:
+            if not shifts[number]:
+                continue
+            self.counts["refused"] += len(shifts[number])
+            shifts[number] = []
+            say("refused", case=package.cases[number], reason=reason)
+        self.progress()
 
     def again(self, step: Step, future: Future, failure: dict[str, str] | None) -> None:
         """A step without an answer is begun again, elsewhere if that is possible, unless it was begun often enough."""
@@ -247,17 +276,19 @@ class Table:
             self.counts["again"] += 1
             say("notice", text=f"{step.name}: again, {step.attempts + 1} of {ATTEMPTS} times: {reason}")
             if step.kind == "press":
-                self.bodies_again(step.case)
+                self.bodies_again(step.package)
             self.begin(step)
             return
         self.failures.append(f"{step.name}: {reason}")
-        lost = [step.case] if step.kind != "condense" else self.waiting.pop(step.what["entry"], [])
-        for case in lost:
-            case.open = False
+        lost = [step.package] if step.kind != "condense" else self.waiting.pop(step.what["entry"], [])
+        for package in lost:
+            package.open = False
 
-    def bodies_again(self, case: Case) -> None:
-        """Begins again what the cluster has lost of the bodies of a case."""
-        for entry in case.bodies:
+    def bodies_again(self, package: Package) -> None:
+        """Begins again what the cluster has lost of the bodies of a package, and forgets which they are where that was lost: a step finds out itself."""
+        if package.prepared is not None and package.prepared.status not in ("finished", "pending"):
+            package.prepared = None
+        for entry in package.bodies:
             body = self.condensed[entry]
             if body.futures[-1].status not in ("finished", "pending") and body.futures[-1].key not in self.open:
                 self.begin(body)
@@ -350,15 +381,15 @@ class Table:
                 self.begin(step, beside=True)
 
 
-def cases_of(lines: Iterator[str]) -> Iterator[Case]:
-    """The cases on standard input, read as they are needed."""
+def packages_of(lines: Iterator[str]) -> Iterator[Package]:
+    """The packages on standard input, read as they are needed."""
     for line in lines:
         value = json.loads(line)
-        yield Case(value["case"], value["name"], value["shifts_mm"], value["study"])
+        yield Package(value["cases"], value["name"], value["shifts_mm"], value["package"])
 
 
 def main() -> int:
-    """Reads the settings and the cases, and makes the places."""
+    """Reads the settings and the packages, and makes the places."""
     # the program decides when to stop
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     given = json.loads(sys.stdin.readline())
@@ -371,7 +402,7 @@ def main() -> int:
     table: Table | None = None
     try:
         with Client(scheduler, timeout="30s", name=f"railspring-{settings.table}", set_as_default=False) as client:
-            table = Table(client, settings, cases_of(sys.stdin), total)
+            table = Table(client, settings, packages_of(sys.stdin), total)
             try:
                 table.run()
             finally:

@@ -1,9 +1,9 @@
 """How many places a second a cluster makes, by simulation: where scheduler, client or store become the limit.
 
 ``python -m railspring_cluster.model COSTS`` reads a JSON object with the fields of :class:`Costs` and ``runs``, a list of
-``[workers, cases]``, and prints for each run the places a second and how busy everything was.
+``[workers, packages]``, and prints for each run the places a second and how busy everything was.
 
-A case is a prepare step and press steps; bodies are condensed before, and count with their number. Workers take steps beside each other.
+A package is a prepare step and press steps; bodies are condensed before, and count with their number. Workers take steps beside each other.
 Client, scheduler and store do one thing after the other: the client reads and submits a step and takes its answer, the scheduler handles it,
 the store gets the entry of each place. Steps with the scheduler are at most so many for every worker, as in ``client``.
 """
@@ -35,7 +35,9 @@ class Costs:
     store: float
     """An entry in the store."""
     places: int
-    """Places of a case."""
+    """Places of a package."""
+    cases: int = 1
+    """Cases of a package; those of several are pressed in one step."""
 
 
 class Server:
@@ -52,13 +54,14 @@ class Server:
         return self.free
 
 
-def simulate(costs: Costs, workers: int, cases: int, seed: int = 1) -> dict[str, float]:
-    """A table of so many cases on so many workers, whose steps take between half and one and a half of their mean."""
+def simulate(costs: Costs, workers: int, packages: int, seed: int = 1) -> dict[str, float]:
+    """A table of so many packages on so many workers, whose steps take between half and one and a half of their mean."""
     numbers = random.Random(seed)
     client, scheduler, store = Server(), Server(), Server()
     events: list[tuple[float, int, str, int]] = []
     ready: deque[tuple[str, int]] = deque()
-    idle, left, open_, counter, busy, end = workers, cases, 0, 0, 0.0, 0.0
+    idle, left, open_, counter, busy, end = workers, packages, 0, 0, 0.0, 0.0
+    at_once = PLACES_PER_STEP if costs.cases == 1 else costs.places
     window = max(LEAST_STEPS, STEPS_PER_THREAD * workers)
 
     def at(time: float, what: str, places: int) -> None:
@@ -88,7 +91,7 @@ def simulate(costs: Costs, workers: int, cases: int, seed: int = 1) -> dict[str,
         now, _, what, places = heapq.heappop(events)
         kind, _, step = what.partition(" ")
         if kind == "queue":
-            # the places of a case that was begun come before the next case
+            # the places of a package that was begun come before the next one
             (ready.appendleft if step == "press" else ready.append)((step, places))
         elif kind == "done":
             idle += 1
@@ -97,15 +100,15 @@ def simulate(costs: Costs, workers: int, cases: int, seed: int = 1) -> dict[str,
             open_ -= 1
             end = now
             if step == "prepare":
-                for first in range(0, places, PLACES_PER_STEP):
-                    submit(now, "press", min(PLACES_PER_STEP, places - first))
+                for first in range(0, places, at_once):
+                    submit(now, "press", min(at_once, places - first))
             else:
                 end = store.serve(now, costs.store * places)
     return {
         "workers": workers,
-        "cases": cases,
+        "packages": packages,
         "seconds": end,
-        "places_per_second": cases * costs.places / end,
+        "places_per_second": packages * costs.places / end,
         "workers_busy": busy / (workers * end),
         "client_busy": client.busy / end,
         "scheduler_busy": scheduler.busy / end,
@@ -118,8 +121,8 @@ def main() -> int:
     given = json.load(sys.stdin)
     runs = given.pop("runs")
     costs = Costs(**given)
-    for workers, cases in runs:
-        print(json.dumps(simulate(costs, workers, cases)), flush=True)
+    for workers, packages in runs:
+        print(json.dumps(simulate(costs, workers, packages)), flush=True)
     return 0
 
 

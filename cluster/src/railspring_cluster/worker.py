@@ -144,8 +144,10 @@ def put(folder: Path, name: str, content: bytes) -> None:
         raise
 
 
-def perform(settings: Settings, step: dict[str, Any], case: dict[str, Any], bodies: list[dict[str, Any]]) -> dict[str, Any]:
-    """Does a step of a case, on bodies that other steps have condensed.
+def perform(
+    settings: Settings, step: dict[str, Any], package: dict[str, Any], before: list[dict[str, Any]]
+) -> dict[str, Any]:
+    """Does a step of a package, with the entries that steps before have made.
 
     The answer is that of ``railspring work``, and under ``contents`` the files of its entries; none where the store is shared. Where there is
     none, ``failed`` says why, and ``worker`` where: another worker may have one.
@@ -159,10 +161,10 @@ def perform(settings: Settings, step: dict[str, Any], case: dict[str, Any], bodi
     command = [plugin.program, "work", "--cache", str(folder), "--threads", str(settings.threads)]
     if memory is not None:
         command += ["--memory-limit", str(memory)]
-    task = {"program": settings.program, "fresh": settings.fresh, "step": step, "case": case}
+    task = {"program": settings.program, "fresh": settings.fresh, "step": step, "package": package}
     try:
-        for body in bodies:
-            for name, content in zip(body.get("entries", ()), body.get("contents") or (), strict=False):
+        for made in before:
+            for name, content in zip(made.get("entries", ()), made.get("contents") or (), strict=False):
                 put(folder, name, content)
         done = subprocess.run(command, input=json.dumps(task).encode(), capture_output=True)
         if done.returncode != 0:

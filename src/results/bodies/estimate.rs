@@ -17,7 +17,7 @@ use railspring_profiles::units::MILLIMETRE;
 
 use crate::results::bodies::estimate::condensing::{FILL, NODE, VALUE};
 use crate::results::bodies::estimate::machine::available;
-use crate::results::bodies::estimate::needs::{Beside, reference_memory};
+use crate::results::bodies::estimate::needs::reference_memory;
 use crate::results::bodies::geometry::{self, Geometry};
 use crate::results::bodies::input::SolidsInput;
 use crate::results::bodies::meshes::{self, Meshes};
@@ -26,7 +26,7 @@ use crate::study::{Statics, TransientKey};
 
 pub use self::condensing::{CONTACT_OF_STEP, condensing, least_memory, stepping};
 pub use self::machine::GIB;
-pub use self::needs::{Estimate, StageEstimate};
+pub use self::needs::{Beside, Estimate, StageEstimate};
 pub use self::work::Work;
 
 /// Share of them in the factor of one half of a body: half of the equations to the power 4/3.
@@ -112,8 +112,8 @@ impl Room {
     /// What is needed is wrong by this factor at most, and bodies may become larger as their contact zones do.
     const MARGIN: f64 = 1.5;
 
-    fn of(estimate: &Estimate, budget: Budget) -> Self {
-        let Beside { condensing, stages } = estimate.beside;
+    /// What a `budget` has room for.
+    pub fn of(Beside { condensing, stages }: Beside, budget: Budget) -> Self {
         let times = |bytes: f64| budget.bytes().map_or(1.0, |(budget, _)| budget / (Self::MARGIN * bytes));
         // the stages of one pair are as much as the places of one and the bodies of the next
         let more_pairs = times(stages) as usize;
@@ -151,8 +151,8 @@ pub fn dry_run(input: &SolidsInput<'_>, work: &Work, resources: &Resources<'_>) 
     made(input, &geometry, options, work, resources).map(|(_, estimate)| estimate)
 }
 
-/// Meshes for `work`, which must be within the budget, the tool's own with `options`, and what there is room for at the same time; the
-/// monitor gets what is expected.
+/// Meshes for `work`, which must be within the budget, the tool's own with `options`, and what is in memory at the same time; the monitor gets what is
+/// expected.
 ///
 /// # Errors
 /// Those of meshing, and sizes that the machine cannot hold.
@@ -162,10 +162,10 @@ pub fn meshes(
     options: MeshOptions,
     work: &Work,
     resources: &Resources<'_>,
-) -> Result<(Meshes, Room)> {
+) -> Result<(Meshes, Beside)> {
     let (meshes, estimate) = made(input, geometry, options, work, resources)?;
     resources.monitor.notice(&estimate.text());
-    Ok((meshes, Room::of(&estimate, resources.budget)))
+    Ok((meshes, estimate.beside))
 }
 
 fn made(
@@ -332,7 +332,7 @@ mod tests {
         let mut coarse = study(COARSE);
         coarse.shifts = Some(vec![0.0, 2e-3]);
         let need = estimate(&coarse, Some(64.0)).unwrap();
-        let room = |limit: f64| Room::of(&need, Budget::new(Some(limit / GIB)));
+        let room = |limit: f64| Room::of(need.beside, Budget::new(Some(limit / GIB)));
         assert_eq!(room(1.001 * need.memory()), Room::default());
         let Room { condensing, stages, more_pairs } = room(64.0 * GIB);
         assert!(condensing && stages && more_pairs > 1);

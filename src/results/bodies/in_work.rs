@@ -156,7 +156,8 @@ impl<'a> Solids<'a> {
         let (input, geometry, reach) = (self.input, self.geometry()?, self.reach()?);
         let work = work(self)?;
         let options = reaching(zones::mesh_options(input.statics, &geometry), &reach);
-        let (meshes, room) = estimate::meshes(&input, &geometry, options, &work, &self.resources)?;
+        let (meshes, beside) = estimate::meshes(&input, &geometry, options, &work, &self.resources)?;
+        let room = Room::of(beside, self.resources.budget);
         self.room = room;
         // Kept until there is a result: a study that is refused later leaves no file behind.
         engine.measured.note(watch.stop("meshes", input.calibration().key(), false));

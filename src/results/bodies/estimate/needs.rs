@@ -5,9 +5,11 @@ use railspring_calibrate::mesh::{MeshOptions, MeshSize, rail_size, wheel_size};
 use railspring_calibrate::pair::{FIXED_LOADS_CHANGED, LOADS_COARSER, LOADS_HALVED, PairBody};
 use railspring_calibrate::superelement::FactorSize;
 use railspring_profiles::error::Result;
+use serde::{Deserialize, Serialize};
 
 use crate::python::Purpose;
 use crate::results::bodies::estimate::condensing::{ENTRY, MASS, NODE, VALUE, factor, largest, stepping};
+use crate::results::bodies::estimate::machine::slowness;
 use crate::results::bodies::estimate::work::{Work, steps_in_each};
 use crate::results::bodies::geometry::Geometry;
 use crate::results::bodies::input::SolidsInput;
@@ -87,6 +89,8 @@ pub struct Estimate {
     pub contact_nodes: [usize; 2],
     /// The stages that are to be done.
     pub stages: Vec<StageEstimate>,
+    /// Time of condensing both bodies, and those of coarser meshes where the study has error bands, s; they are among the stages.
+    pub condensing_seconds: f64,
     /// The calibration on the next finer meshes, where the study has a wanted error of meshes: how often they are refined is not known
     /// before, so that no refinement is among the stages.
     pub finer: Option<StageEstimate>,
@@ -95,8 +99,9 @@ pub struct Estimate {
 }
 
 /// Memory of stages at the same time, bytes.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct Beside {
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Beside {
     /// All bodies of the calibration factored together.
     pub condensing: f64,
     /// The fields and the error bands of the calibration, its laws by contact angle, and runs on the solids.
@@ -130,7 +135,12 @@ impl Estimate {
         let mut stages = Vec::new();
         let mut finer = None;
         let mut beside = Beside::default();
+        let mut condensing_seconds = 0.0;
         if work.calibrate {
+            condensing_seconds = pair.condensing_seconds();
+            if input.statics.wants_error_band() && input.statics.meshes_are_ours() {
+                condensing_seconds += pair.coarser()?.condensing_seconds();
+            }
             let candidates = Candidates::of(input, geometry, meshes);
             stages.push(pair.calibration(candidates));
             if input.wants_by_angle {
@@ -211,6 +221,9 @@ impl Estimate {
                 seconds,
             });
         }
+        let slowness = slowness();
+        stages.iter_mut().chain(&mut finer).for_each(|stage| stage.seconds *= slowness);
+        condensing_seconds *= slowness;
         // one load case after the other
         let in_time = &stages[stages.len() - work.solids.len()..];
         beside.stages += in_time.iter().map(|stage| stage.memory).fold(0.0, f64::max);
@@ -218,6 +231,7 @@ impl Estimate {
             bodies: [rail.size, wheel.size],
             contact_nodes: [rail.mesh.contact, wheel.mesh.contact],
             stages,
+            condensing_seconds,
             finer,
             beside,
         })
@@ -372,12 +386,16 @@ impl Pair<'_> {
         StageEstimate {
             stage: "calibration".into(),
             memory: base + memory.into_iter().fold(0.0, f64::max),
-            seconds: wheel.seconds()
+            seconds: self.condensing_seconds()
                 + wheel.seconds_inside()
-                + ways * rail.seconds()
                 + rail.seconds_inside()
                 + ways * pressing(input, &input.statics.calibration.loads, candidates),
         }
+    }
+
+    /// Time of condensing wheel and rail, s.
+    fn condensing_seconds(&self) -> f64 {
+        self.wheel.seconds() + self.ways_held() * self.rail.seconds()
     }
 
     /// In how many ways the rail is held: with its section, and with its foot where the study wants laws against that.
