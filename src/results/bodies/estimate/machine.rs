@@ -3,9 +3,9 @@
 use std::sync::OnceLock;
 use std::time::Instant;
 
+use nalgebra::Vector3;
 use railspring_calibrate::contact::{FreeDirection, HalfSpace, NearField, Problem, flat_grid, gaps, solve};
 use railspring_calibrate::solid::Material;
-use nalgebra::Vector3;
 
 /// Seconds that the contact of [`slowness`] takes on the machine on which the constants of times were measured.
 const ITS_SECONDS: f64 = 0.05;
