@@ -14,11 +14,12 @@ pub(super) fn sentences(markdown: &str, first: usize) -> Vec<Sentence> {
     let mut found = Vec::new();
     for (at, text) in paragraphs(markdown) {
         let line = first + markdown[..at].matches('\n').count();
-        found.extend(split(&text).into_iter().map(|words| Sentence {
-            line,
-            words: words.len(),
-            text: words.join(" "),
-        }));
+        for pieces in split(&text) {
+            let words = pieces.iter().filter(|piece| piece.contains(char::is_alphanumeric)).count();
+            if words > 0 {
+                found.push(Sentence { line, words, text: pieces.join(" ") });
+            }
+        }
     }
     found
 }
@@ -70,14 +71,13 @@ fn is_silent(tag: &TagEnd) -> bool {
     matches!(tag, TagEnd::Heading(_) | TagEnd::CodeBlock | TagEnd::Table | TagEnd::Image | TagEnd::HtmlBlock)
 }
 
-/// The words of each sentence of a paragraph. A word has a letter or a digit.
+/// What stands between the blanks of each sentence of a paragraph. What has a letter or a digit is a word.
 fn split(paragraph: &str) -> Vec<Vec<&str>> {
-    let words: Vec<&str> =
-        paragraph.split_whitespace().filter(|w| w.contains(char::is_alphanumeric)).collect();
+    let pieces: Vec<&str> = paragraph.split_whitespace().collect();
     let (mut found, mut open) = (Vec::new(), Vec::new());
-    for (n, word) in words.iter().enumerate() {
-        open.push(*word);
-        if words.get(n + 1).is_none_or(|next| ends(word, next)) {
+    for (n, piece) in pieces.iter().enumerate() {
+        open.push(*piece);
+        if pieces.get(n + 1).is_none_or(|next| ends(piece, next)) {
             found.push(std::mem::take(&mut open));
         }
     }
@@ -139,10 +139,12 @@ mod tests {
         // numbers, abbreviations, initials, file names and small letters after a point end no sentence
         assert_eq!(
             counts("At 0.5 kN, e.g. K. Popp et al. found `a.toml`. that way (twice). So."),
-            [(1, 12), (1, 1)]
+            [(1, 13), (1, 1)]
         );
         // code and links count their words, marks none
-        assert_eq!(counts("**Bold** `k(f) = a + b` and [two words](http://e.org/a. B) – so."), [(1, 6)]);
+        assert_eq!(counts("**Bold** `k(f) = a + b` and [two words](http://e.org/a.B) – so."), [(1, 6)]);
+        // a unit ends a sentence, and is no word
+        assert_eq!(counts("By 2 to 3 %. At most 4 %."), [(1, 4), (1, 3)]);
         assert_eq!(counts("# A heading. It is.\n\n```sh\nls a. B\n```\n\n![a picture](x.svg)\n"), []);
         assert_eq!(counts("| a b. C | d |\n|---|---|\n| e. F | g |\n\nText here.\n"), [(5, 2)]);
         // items are texts of their own, with or without a point, and so is what stands in them
