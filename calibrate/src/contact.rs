@@ -11,6 +11,49 @@
 //! between its nodes; gaps are their weighted means. Integration runs over the
 //! intersections of the cells of both surfaces, so a uniform pressure crosses
 //! non-matching meshes exactly (patch test).
+//!
+//! # The problem
+//!
+//! Each contact point `j` has a normal force `p` and a tangential force `τ` of two components, on the opposing body, in N. `f` has the forces of all
+//! points. The hub moves by `u` along its free directions, and carries the wanted forces `F` there. `C` is the compliance of both bodies (m/N), `B`
+//! has the components of the hub's directions along the rows, and `g₀` the gaps and slips without contact forces. Gaps and slips are
+//!
+//! ```text
+//! g = g₀ + C·f + B·u,      Bᵀ·f = F
+//! ```
+//!
+//! # Complementarity
+//!
+//! The gap `n` and the slip `s` of a point, which are its rows of `g`, obey Signorini's and Coulomb's conditions with the friction `µ`:
+//!
+//! ```text
+//! n ≥ 0,   p ≥ 0,   n·p = 0
+//! |τ| ≤ µ·p,   s = 0 where |τ| < µ·p,   else s = -λ·τ with λ ≥ 0
+//! ```
+//!
+//! With a stiffness `r` of the point (N/m) these are two projections. Its value changes the iteration, not the solution:
+//!
+//! ```text
+//! p = max(0, p - r·n)
+//! τ = the point of the disc of radius µ·max(0, p - r·n) that is nearest to v = τ - r·s
+//! ```
+//!
+//! The residual is the difference of both sides, and of `Bᵀ·f` and `F`, over the largest force.
+//!
+//! # Newton step
+//!
+//! The trial forces decide the mode of each point. With the modes held the step `Δf`, `Δu` solves a linear system, one block a point:
+//!
+//! ```text
+//! open      p - r·n ≤ 0       Δp = -p,  Δτ = -τ
+//! closed    p - r·n > 0       r·Δn = -r·n
+//!   sticks  |v| ≤ µ·(p - r·n) r·Δs = -r·s
+//!   slips   else              (I - E)·Δτ + E·r·Δs - µ·t·Δp = µ·p·t - τ,   t = v/|v|,   E = µ·p/|v|·(I - t·tᵀ)
+//! hub                         Bᵀ·Δf = F - Bᵀ·f
+//! ```
+//!
+//! with `Δn`, `Δs` the rows of `C·Δf + B·Δu`. Few rows are solved by a dense factor, many by GMRES with products of `C` (`iterative`). P. Alart and
+//! A. Curnier, Comput. Methods Appl. Mech. Eng. 92 (1991).
 
 mod rigid_motion;
 mod surface;

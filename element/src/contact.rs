@@ -51,8 +51,8 @@ pub struct Forces {
     pub rim: Vector3<f64>,
     /// On the section of the rail. Near a held end, where the head has a share of the section's motion, the section has that share of the force and the end the rest.
     pub section: Vector3<f64>,
-    /// Derivatives of both by the motions of both, rim before section; N/m, N, N·m. It is not symmetric where a contact slides. It leaves out what changes with the arm of a force and where strips begin to slide or touch: after
-    /// a step of 2 µm it is 2 % off in half of the states, of the largest of its block, and 7 % in one of a hundred.
+    /// Derivatives of both by the motions of both, rim before section; N/m, N, N·m. It is not symmetric where a contact slides. It leaves out what changes with the arm of a force and where strips begin to slide or touch.
+    /// After a step of 2 µm it is 2 % off in half of the states, of the largest of its block, and 7 % in one of a hundred.
     pub tangent: Matrix6<f64>,
 }
 

@@ -42,7 +42,7 @@ impl Contacts {
     /// Whether forces that are taken along to first order with a motion of the wheel against the rail are off by less than `tolerance`, N, where the contacts were looked at after
     /// a motion of `looked` (m) in the same step, if they were.
     ///
-    /// Hertz's contact of a force `F` and a stiffness `k` is off by `k²u²/6F` after an approach `u`, Mindlin's of a tangential stiffness `k` that begins to slide by `k²u²/6µF`, and both by `F` times the square of the share of its width that it has moved. Strips
+    /// The error of linear balance is `k²u²/6F` for Hertz's contact of a force `F` and a stiffness `k` after an approach `u`. For Mindlin's of a tangential stiffness `k` that begins to slide it is `k²u²/6µF`. Both are off by `F` times the square of the share of its width that it has moved, too. Strips
     /// that slide stick when the wheel turns back; where it goes on as it went, those between the places where it was looked at and where it is do.
     pub fn hold(&self, moved: &Vector3<f64>, looked: Option<f64>, friction: f64, tolerance: f64) -> bool {
         let moved = self.since + moved;

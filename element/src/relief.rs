@@ -5,8 +5,8 @@
 //! contact. So a contact lies deeper than its strips are pressed, it is narrower than the profiles overlap, and contacts side by side relieve each
 //! other.
 //!
-//! With `q(s)` the force per length of the strips at the arc length `s` of the rail, `w(s)` their weight, and `Bᵢ` bell-shaped functions (B-splines of the
-//! fifth degree, of the sum 1) at places along the rail, the loads are `gᵢ = ∫Bᵢ·w·q ds` and the penetration goes down by `w(s)·Σ Bᵢ(s)·rᵢ`, with
+//! Let `q(s)` be the force per length of the strips at the arc length `s` of the rail, and `w(s)` their weight. `Bᵢ` are bell-shaped functions (B-splines of the
+//! fifth degree, of the sum 1) at places along the rail. The loads are `gᵢ = ∫Bᵢ·w·q ds`. The penetration is reduced by `w(s)·Σ Bᵢ(s)·rᵢ`, with
 //! `rᵢ = ∂W/∂gᵢ` and
 //!
 //! ```text

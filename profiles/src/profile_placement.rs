@@ -1,7 +1,7 @@
 //! Where a measured profile lies: its origin, rotation, side and size found against its standard.
 //!
-//! [`place`] lays the measurement onto what wear leaves as it is: of a wheel the back of the flange up to its tip, the field
-//! end of the tread, chamfer and field face; of a rail the side of the head that is not worn, its corners, the underside,
+//! [`place`] lays the measurement onto what wear leaves as it is. Of a wheel this is the back of the flange up to its tip, the field
+//! end of the tread, chamfer and field face. Of a rail it is the side of the head that is not worn, its corners, the underside,
 //! web and foot. The fit is robust: points on worn surface lose their weight. [`Placed`] says where the profile lies and how sure that is, which
 //! parts were kept, and how far every point lies from the standard. [`nearest`] names the standards that fit best, and
 //! [`rail_wear`] and [`wheel_wear`] read off what is worn. A profile of which no standard is known lies as its own shape says

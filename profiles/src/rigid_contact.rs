@@ -1,6 +1,7 @@
-//! Rigid contact of a wheelset: every point at which its two wheels touch the rails, at any lateral shift, yaw and
-//! roll, and what follows for its running: rolling-radius difference, equivalent conicity and the other parameters of EN 15302, with
-//! the uncertainty that they have from that of measured profiles.
+//! Rigid contact of a wheelset: every point at which its two wheels touch the rails, at any lateral shift, yaw and roll.
+//!
+//! From these follow rolling-radius difference, equivalent conicity and the other parameters of EN 15302, with their uncertainty by that of measured
+//! profiles.
 //!
 //! Signs: x along the track, y to the right, z down. The shift is positive to the right, yaw turns x towards y, roll
 //! turns y towards z (the right wheel goes down). The left side is described by its mirror image, in which it is a

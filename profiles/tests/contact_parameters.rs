@@ -70,8 +70,8 @@ fn functions_of_two_arcs() {
     assert_eq!(functions.curve_radius([-1e-3, 3e-3]), None);
 }
 
-/// Source: the linear wheelset on arcs (A.H. Wickens; K. Knothe, S. Stichel). With the contact angle γ₀ in the middle and the
-/// contacts 2 b apart the roll is γ₀ y/(b − r₀ γ₀), the arcs' centres move by (b + R_w γ₀) y/(b − r₀ γ₀) against each other, and the conicity is
+/// Source: the linear wheelset on arcs (A.H. Wickens; K. Knothe, S. Stichel). The contact angle in the middle is γ₀ and the
+/// contacts are 2 b apart. The roll is γ₀ y/(b − r₀ γ₀), the arcs' centres move by (b + R_w γ₀) y/(b − r₀ γ₀) against each other. The conicity is
 /// R_w γ₀ (b + R_r γ₀)/((R_w − R_r)(b − r₀ γ₀)). Goal: all three parameters at 1 mm, with roll; without it the centres move by y. Accuracy (MODEL): squares
 /// of the angle, 0.03² at the turning points, of which three come together.
 #[test]
@@ -143,7 +143,7 @@ fn no_uncertainty_changes_nothing() {
 }
 
 /// Source: first order by hand on a cone. A roll δ of the wheel's profile makes its slope δ larger, on both sides where they are one pair, on each by itself
-/// where they are two; a form error of a long correlation length ℓ makes it e′ larger, whose standard deviation is u/ℓ. A crown under a cone may turn and
+/// where they are two. A form error of a long correlation length ℓ makes it e′ larger, whose standard deviation is u/ℓ. A crown under a cone may turn and
 /// bend without effect. Goal: standard uncertainty of the equivalent conicity at 3 mm, without roll of the axle. Accuracy (MODEL): four standard deviations
 /// of what 200 samples tell of it, 4/√400.
 #[test]

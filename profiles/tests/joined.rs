@@ -115,8 +115,8 @@ fn farthest(curve: &ProfileCurve, from: &ProfileCurve) -> f64 {
 
 /// Source: the standards themselves, measured with points 0.2 mm apart, unworn and worn evenly by 1 mm. Goal: no jump of position or
 /// slope where measured and standard surface meet, and between them no farther from the standard than the wear, or the scatter of
-/// 10 µm, explains. Accuracy: ROUNDOFF of arc lengths and tangents; DISCRETISATION, a cubic of 3 mm for arcs and lines, of
-/// which one may bend where the other does not; SCATTER, the direction of an end from its last 2 mm, uncertain by 0.02 rad, over such a cubic, with
+/// 10 µm, explains. Accuracy: ROUNDOFF of arc lengths and tangents. DISCRETISATION, a cubic of 3 mm for arcs and lines, of
+/// which one may bend where the other does not. SCATTER, the direction of an end from its last 2 mm, uncertain by 0.02 rad, over such a cubic, with
 /// the scatter of the points themselves.
 #[test]
 fn short_measurements_are_joined_without_a_jump() {

@@ -189,9 +189,9 @@ fn all_tried(seeds: std::ops::Range<u64>, say: bool) -> Tried {
     all
 }
 
-/// Source: standards worn, cut, turned, moved and written as files by this test. Goal: every one is read; where the program
-/// says that the place is determined, it is within 0.05 mm (origin of the standard) and 0.05°, and the side is the right one
-/// unless the program says that wear does not tell it; 95 % of all errors are within twice the standard uncertainty, and none
+/// Source: standards worn, cut, turned, moved and written as files by this test. Goal: every one is read. Where the program
+/// says that the place is determined, it is within 0.05 mm (origin of the standard) and 0.05°. The side is the right one,
+/// unless the program says that wear does not tell it. 95 % of all errors are within twice the standard uncertainty, and none
 /// is larger than twice that. Returns how many are placed.
 fn nothing_wrong(seeds: std::ops::Range<u64>, say: bool) -> usize {
     let Tried { counts, mut over_claimed } = all_tried(seeds, say);

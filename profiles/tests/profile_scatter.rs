@@ -143,7 +143,7 @@ fn drawn_files_are_not_smoothed() {
     }
 }
 
-/// Source: white scatter of a known deviation, µm. Goal: what is measured, at all distances of the points; rounding to 0.01 mm is scatter of 0.01/√12 mm; means of four
+/// Source: white scatter of a known deviation, µm. Goal: what is measured, at all distances of the points. Rounding to 0.01 mm is scatter of 0.01/√12 mm. Means of four
 /// neighbours have half the deviation and, as they are four times as dense as they scatter, more density than points that scatter so by themselves.
 /// Accuracy: MODEL, a few dozen differences that are independent; the means of 0.5 mm are two of the largest.
 #[test]

@@ -9,6 +9,7 @@ use railspring::cli::output::complain;
 use crate::bench::{self, BenchCommand};
 use crate::half_space::{self, HalfSpaceArgs};
 use crate::long::{self, LongArgs};
+use crate::prose::{self, ProseArgs};
 use crate::reference::{self, ReferenceArgs};
 use crate::same_bytes::{self, SameBytesArgs};
 
@@ -29,6 +30,9 @@ enum Command {
     Reference(ReferenceArgs),
     /// Run the tests that are ignored otherwise, one after another, and write a table of them; exit code 1 if one fails
     Long(LongArgs),
+    /// Count the words of the sentences of documents and doc comments; exit code 1 where they are too long, or where a page of the book does not
+    /// begin with a question and its answer
+    Prose(ProseArgs),
     /// Compare contact on half-spaces, stiff and flexible bodies with the tables of a half-space program; exit code 1 if half-spaces or stiff
     /// bodies do not hold a limit. Writes half-space.md, half-space.csv, flange.csv and a figure for each of the bodies
     HalfSpace(HalfSpaceArgs),
@@ -47,6 +51,7 @@ pub fn main() -> ExitCode {
         Command::Bench(command) => bench::run(&command).map(|()| true),
         Command::Reference(args) => reference::write(&args).map(|()| true).map_err(Failure::from),
         Command::Long(args) => long::run(&args).map_err(Failure::from),
+        Command::Prose(args) => prose::run(&args).map_err(Failure::from),
         Command::HalfSpace(args) => half_space::run(&args).map_err(Failure::from),
         Command::SameBytes(args) => same_bytes::run(&args).map_err(Failure::from),
     };

@@ -1,6 +1,6 @@
 //! What a developer of railspring needs and a user does not, as `cargo xtask COMMAND`.
 //!
-//! [`main`] runs a command, [`command`] describes all of them, and [`ignored_tests`] lists the long tests.
+//! [`main`] runs a command, [`command`] describes all of them, [`ignored_tests`] lists the long tests, and [`prose`] counts the words of sentences.
 
 mod workspace;
 mod scaling;
@@ -9,6 +9,7 @@ mod bench;
 mod reference;
 mod ignored;
 mod long;
+pub mod prose;
 mod half_space;
 mod same_bytes;
 mod cli;

@@ -38,7 +38,7 @@ fn number(value: &Value) -> f64 {
 }
 
 /// Source: the counts of the meshes and factors, and the peak of the resident memory. Goal: a sweep of two sizes has both near the wanted
-/// degrees of freedom, all stages of each body, exponents, a table with a row for every stage, and a figure with axes; bodies that
+/// degrees of freedom, all stages of each body, exponents, a table with a row for every stage, and a figure with axes. Bodies that
 /// grow have more values, and more of them than they have equations. Accuracy: DISCRETISATION, rings and layers are whole numbers, and held
 /// nodes, two of some thirty sections of the rail and the bore, are no equations: 10 %; MODEL, the predicted memory: 0.35, of a program of a hundred mebibytes.
 #[test]
@@ -200,7 +200,7 @@ fn steps_of_the_moving_solver_are_timed() {
     assert!(!root.path().join("deep").exists());
 }
 
-/// Source: OpenSees (WheelRail), FMPy and Exudyn from the package index, and hosts in Rust and C. Goal: each runs its case in turns with this program's own, and record, table and what is printed have its time
+/// Source: OpenSees (WheelRail), FMPy and Exudyn from the package index, and hosts in Rust and C. Goal: each runs its case in turns with this program's own. Record, table and what is printed have its time
 /// (µs a step) under that of the same case, with the ratio. No limit on a time.
 #[test]
 #[ignore = "some minutes, and packages of 300 MB: cargo long other_programs_are_timed"]

@@ -14,7 +14,7 @@ const FOLDERS: [&str; 3] = ["docs", "data", "python"];
 /// A page whose history names commands that are gone.
 const HISTORY: &str = "CHANGELOG.md";
 /// Commands of cargo itself, and of its plugins, that the documents name.
-const OF_CARGO: [&str; 7] = ["bench", "build", "deny", "install", "run", "test", "update"];
+const OF_CARGO: [&str; 9] = ["bench", "build", "clippy", "deny", "fmt", "install", "run", "test", "update"];
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap()

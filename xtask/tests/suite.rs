@@ -2,4 +2,5 @@
 
 mod bench;
 mod documents;
+mod prose;
 mod reference;

@@ -25,11 +25,11 @@ pub const TOLERANCE: f64 = 1e-10;
 /// Part of the residual to which the equations of a step are solved where that is done by iteration (R.S. Dembo, S.C. Eisenstat,
 /// T. Steihaug, "Inexact Newton methods", SIAM J. Numer. Anal. 19 (1982)), as long as the points change their modes: then the residual of
 /// the step is that of these.
-const PART: f64 = 1e-2;
+const FORCING_TERM: f64 = 1e-2;
 /// The same that is accepted where the iteration is at its end.
-const ENOUGH: f64 = 0.1;
+const ACCEPTED_FORCING_TERM: f64 = 0.1;
 /// Residual over the largest force from which on the modes mostly stay as they are.
-const CLOSE: f64 = 1e-5;
+const ACTIVE_SET_SETTLED: f64 = 1e-5;
 /// ROUNDOFF: where forces are tiny beside gap times stiffness, rounding may leave as much of them; a hub that
 /// runs away would otherwise pass for rounding.
 const COARSEST: f64 = 1e-8;
@@ -71,8 +71,9 @@ pub(super) fn newton(
         let mut modes = state.modes();
         stick_between_slips(state, &previous, &mut modes);
         // near the solution, or with the modes of the step before, the step may be the last
-        let last = f64::min(PART, 0.1 * wanted / residual.relative);
-        let tolerance = if residual.relative < CLOSE || modes == previous { last } else { PART };
+        let last = f64::min(FORCING_TERM, 0.1 * wanted / residual.relative);
+        let is_settled = residual.relative < ACTIVE_SET_SETTLED || modes == previous;
+        let tolerance = if is_settled { last } else { FORCING_TERM };
         let step = direction(state, &modes, tolerance, factors).ok_or(StopReason::Singular)?;
         remembered.push_back(residual.squared());
         if remembered.len() > MEMORY {
@@ -189,7 +190,8 @@ fn direction(state: &State, modes: &[PointMode], tolerance: f64, factors: &mut F
     let hub_unit = m as f64 / rows.iter().map(|&row| state.scale[row]).sum::<f64>();
     let along: Vec<Vector3<f64>> = problem.hub.iter().map(|free| free.along.into_inner()).collect();
     let linearised = Linearised { state, modes, active: &active, rows: &rows, along: &along, hub_unit };
-    let change = match linearised.solve(std::slice::from_ref(&rhs), tolerance, ENOUGH, factors) {
+    let change = match linearised.solve(std::slice::from_ref(&rhs), tolerance, ACCEPTED_FORCING_TERM, factors)
+    {
         Some(mut solutions) => solutions.remove(0),
         None if !is_worth_it(m, problem.has_products()) => return None,
         None => {

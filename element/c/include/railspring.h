@@ -151,8 +151,8 @@ RailspringCode railspring_element_superelement(const RailspringElement *element,
 RailspringCode railspring_element_hub_mass(const RailspringElement *element,
                                            double *mass);
 
-// The rail of the study as a wheel in one place feels it, by rail_modes modes of mass 1 kg: squares of their angular frequencies (1/s²), motions of the section (y, z, rotation about x; three values
-// each), and nine values by rows of the section's flexibility beyond them. Null where one is not wanted.
+// The rail of the study as a wheel in one place feels it, by rail_modes modes of mass 1 kg. Squares of their angular frequencies (1/s²); motions of the section (y, z, rotation about x; three values
+// each). Then nine values by rows of the section's flexibility beyond them. Null where one is not wanted.
 RailspringCode railspring_element_rail(const RailspringElement *element,
                                        double *squares,
                                        double *sections,

@@ -118,8 +118,8 @@ pub unsafe extern "C" fn railspring_element_hub_mass(
     })
 }
 
-/// The rail of the study as a wheel in one place feels it, by rail_modes modes of mass 1 kg: squares of their angular frequencies (1/s²), motions of the section (y, z, rotation about x; three values
-/// each), and nine values by rows of the section's flexibility beyond them. Null where one is not wanted.
+/// The rail of the study as a wheel in one place feels it, by rail_modes modes of mass 1 kg. Squares of their angular frequencies (1/s²); motions of the section (y, z, rotation about x; three values
+/// each). Then nine values by rows of the section's flexibility beyond them. Null where one is not wanted.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn railspring_element_rail(
     element: *const RailspringElement,

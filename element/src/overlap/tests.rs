@@ -8,7 +8,7 @@ use railspring_profiles::placement::TrackGeometry;
 use railspring_profiles::section::{rail_section, wheel_section};
 use railspring_testing::Random;
 
-/// Goal: two contacts that join leave no jump in the normal force: from one of 2000 depths to the next it changes as it did before, where a wheel with a hollow of 80 µm between two
+/// Goal: two contacts that join leave no jump in the normal force. From one of 2000 depths to the next it changes as it did before. A wheel with a hollow of 80 µm between two
 /// crowns goes down by 100 µm into a flat rail. Accuracy: second differences over the largest force; that of two crowns under few loads, which goes with
 /// the power 1.5 of the depth, is 5e-6, and that of a rule of integration that is of two contacts and then of one 1.5e-5.
 #[test]
@@ -33,8 +33,8 @@ fn the_force_does_not_jump_where_contacts_join() {
     assert!(jump < SMOOTH, "{jump:e}");
 }
 
-/// Goal: within what is said of the gap (m) no contact comes or parts: S1002 on 60E1, and the wheel with two crowns on a flat rail, 1000 places and depths each, those found again and again by one pair of profiles, and
-/// moves by nine tenths of the gap any way against bodies that are looked at for the first time. A gap is of use: a quarter of them are longer than a micrometre.
+/// Goal: within the stated gap (m) no contact comes or parts. Cases: S1002 on 60E1, and the wheel with two crowns on a flat rail, 1000 places and depths each. One pair of profiles finds them again and again, and
+/// is moved by nine tenths of the gap any way. It is compared with bodies that are looked at for the first time. A gap is of use: a quarter of them are longer than a micrometre.
 #[test]
 fn no_contact_comes_within_the_gap() {
     let rail = rail_section("60E1").unwrap();

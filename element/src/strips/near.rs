@@ -1,9 +1,9 @@
 //! Strips at poses near the one at which they were found.
 //!
 //! There the penetration of a strip is known to the second order of the motion: the wheel's surface slides over the place of the rail and turns with its
-//! curvature. Forces and friction are those of the strips' laws. A contact grows or shrinks at its ends: where the penetration there becomes `ε` and
-//! its slope is `g`, the strips beyond have `c·ε²/(2g)`, less a share `ε/6δ` of that as the penetration, `δ` at its deepest, is a parabola; where it becomes
-//! negative, the same is what the strips inside have too little. The relief goes along with the loads by Newton's method, with the derivatives of where the strips were
+//! curvature. Forces and friction are those of the strips' laws. A contact grows or shrinks at its ends. Where the penetration there becomes `ε` and
+//! its slope is `g`, the strips beyond have `c·ε²/(2g)`. A share `ε/6δ` of that is taken off, as the penetration, `δ` at its deepest, is a parabola. Where `ε` is
+//! negative, the strips inside have too little by the same force. The relief goes along with the loads by Newton's method, with the derivatives of where the strips were
 //! found.
 
 use super::contact::{Contact, Relieved};

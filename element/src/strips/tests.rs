@@ -94,7 +94,7 @@ fn pressed(pair: &Pair) -> Vec<(Pair, Pose)> {
 }
 
 /// Source: the definition of a potential. Goal: force (N) and moment (N·m) on the wheel are minus the gradient of the energy (J), on the tread and up to the
-/// gauge corner, with both bodies moved and turned, strips that harden and loads that relieve each other; the stiffness (N/m) is that of the force; a motion of both
+/// gauge corner. Both bodies are moved and turned, strips harden and loads relieve each other. The stiffness (N/m) is that of the force. A motion of both
 /// together changes nothing. Accuracy: the rule of integration, 1e-5 of the force; the stiffness leaves out that arms change when the wheel turns: the weight of a
 /// wheel at half a metre over stiffness at that of a contact, a thousandth.
 #[test]
@@ -355,8 +355,8 @@ fn contacts_have_no_memory() {
     assert!(touching > 50, "{touching}");
 }
 
-/// Goal: on a wheel with waves of 0.9 mm, as measured profiles have them that are not smoothed, the force (N) goes up with the depth by no more than all strips that are pressed
-/// have it, modulus times width: no overlap beside another one is missed at one depth and found at the next. Accuracy: ROUNDOFF of the forces, a newton of
+/// Goal: the force (N) grows with the depth by no more than all strips that are pressed have it, modulus times width. The wheel has waves of 0.9 mm, as measured profiles that are not
+/// smoothed. So no overlap beside another one is missed at one depth and found at the next. Accuracy: ROUNDOFF of the forces, a newton of
 /// 5 kN. With stations a millimetre apart a force of 90 N jumps by 120 N; with twelve points over eight waves 7 kN rise by twice what the strips have.
 #[test]
 fn narrow_overlaps_beside_a_contact_come_without_a_jump() {
@@ -381,8 +381,8 @@ fn narrow_overlaps_beside_a_contact_come_without_a_jump() {
 
 /// Source: R.D. Mindlin, H. Deresiewicz, "Elastic spheres in contact under varying oblique forces", J. Appl. Mech. 20 (1953): under a constant normal force `N` a
 /// tangential displacement `u` makes `T = µN·(1 - (1 - u/u₁)^(3/2))`, and back from `u*`, by twice of that over `2u₁`; u₁ = 3µN/(2k). Goal: that force (N) of a crowned wheel on a
-/// flat rail, forth, back and forth again. Accuracy: strips whose forces are a parabola have that force exactly; of the rule of integration, whose twelve points
-/// are h = π/24·√(1 - x²) of the width apart, x half-widths from the middle, each of two edges of the sliding strips is off by h²/8 times the slope of the limit there: together up to
+/// flat rail, forth, back and forth again. Accuracy: strips whose forces are a parabola have that force exactly. The twelve points of the rule of integration
+/// are h = π/24·√(1 - x²) of the width apart, x half-widths from the middle. Each of two edges of the sliding strips is off by h²/8 times the slope of the limit there. Together that is up to
 /// 1 % of the force, and twice that where the force turns.
 #[test]
 fn a_contact_slips_from_its_edges() {
@@ -438,7 +438,7 @@ impl StripLaw for Relieving {
 
 /// Source: K.L. Johnson, "Contact mechanics" (1985), equation 3.22: a load moves a half-space at a distance r by F/(πE*·r), here F/(πE*·√(r² + d²)) with d = 20 mm.
 /// Goal: of a crown that another one 30 mm away helps, the penetration that is left (m) is smaller than of one alone by that. Accuracy: the relief by its own
-/// force, which is less by some hundredths, goes with a power between 2/3 and 1 of it, which is a twentieth of what is looked for; and what loads make near themselves
+/// force, which is less by some hundredths, goes with a power between 2/3 and 1 of it. That is a twentieth of what is looked for. What loads make near themselves
 /// ends 48 mm away, here with a hundredth of it, which is a tenth.
 #[test]
 fn contacts_side_by_side_relieve_each_other() {
@@ -493,9 +493,9 @@ fn a_pose_has_one_relief() {
     assert!(several, "nowhere two contacts");
 }
 
-/// Goal: the strips that were found at one pose have the forces (N) and energies of those that are found at a pose near it, with both bodies turned, friction, strips that harden
-/// and loads that relieve each other, on the tread and up to the gauge corner; as long as they serve. Accuracy: OFF, the ten newtons that a step may be off; that strips
-/// slide over their places and turn is 2 to 50 N. Friction is kept at other places than where it is needed, whose edge of the sliding ones is off by a hundredth of its limit at most, as
+/// Goal: while they serve, the strips that were found at one pose have the forces (N) and energies of those that are found at a pose near it. Both bodies are turned, with friction, strips that harden
+/// and loads that relieve each other, on the tread and up to the gauge corner. Accuracy: OFF, the ten newtons that a step may be off. Strips that
+/// slide over their places and turn make 2 to 50 N. Friction is kept at other places than where it is needed. The edge of the sliding ones is off by a hundredth of its limit at most, as
 /// above.
 #[test]
 fn strips_serve_at_poses_near_by() {

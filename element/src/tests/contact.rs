@@ -13,8 +13,8 @@ fn bits(forces: &Forces) -> Vec<u64> {
     forces.rim.iter().chain(&forces.section).chain(forces.tangent.iter()).map(|v| v.to_bits()).collect()
 }
 
-/// Goal: forces depend on the end of the last step and the motions alone: after other evaluations, in a clone and in a contact that takes the state over they are the same to the last bit, through a random walk with
-/// committed steps; and the walk begun anew is the same. Exact.
+/// Goal: forces depend on the end of the last step and the motions alone. After other evaluations, in a clone and in a contact that takes the state over they are the same to the last bit, through a random walk with
+/// committed steps. The walk begun anew is the same. Exact.
 #[test]
 fn what_was_tried_does_not_matter() {
     let walk = |tries: usize| {

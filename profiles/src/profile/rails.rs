@@ -1,7 +1,7 @@
 //! Standard rails, built from the generating dimensions of their drawings.
 //!
-//! Source: EN 13674-1 (60E1: toe corner at y = 75 mm) and, for the light rails, EN 13674-4; for the UIC60 head the arcs
-//! of the Manchester benchmark's rail, which are those of rail A of EN 15302; for the 60N head its published points, which are
+//! Source: EN 13674-1 (60E1: toe corner at y = 75 mm) and, for the light rails, EN 13674-4. The UIC60 head has the arcs
+//! of the Manchester benchmark's rail, which are those of rail A of EN 15302. The 60N head has its published points, which are
 //! arcs to 2e-7 mm. Everything that a drawing leaves to tangency is solved for here. `data/profiles/README.md` tells how the
 //! numbers were checked.
 

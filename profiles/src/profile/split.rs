@@ -64,9 +64,9 @@ pub(crate) fn split_rail(
     }
 }
 
-/// The running surface and the rest of a closed section of a wheel, as ranges in the ring of its segments, which run over the tread to the field
-/// side with the flange at the lower end: from the flange back, where the outline leaves the vertical, over flange and tread to where these turn into
-/// the chamfer or the field face.
+/// The running surface and the rest of a closed section of a wheel, as ranges in the ring of its segments. These run over the tread to the field
+/// side with the flange at the lower end. The running surface begins at the flange back, where the outline leaves the vertical. It goes over flange and
+/// tread to where these turn into the chamfer or the field face.
 pub(crate) fn split_wheel(
     name: &str,
     segments: &[Segment],

@@ -2,7 +2,7 @@
 //!
 //! The wavelength of the scatter suits the crown of a rail, whose curvature jumps by 9/m. Where the crown meets a worn corner it jumps by 100/m, and the wave
 //! with which scatter and smoothing change the pressure least together is 0.4 times as long ([`balanced`]). The jump is seen in the
-//! smoothed line itself, whose curvature has a standard deviation of √(σ²·h/π · q₀⁵ · π√2/16), 1.4/m with the wavelength of the scatter: a pilot estimate, as the
+//! smoothed line itself. Its curvature has a standard deviation of √(σ²·h/π · q₀⁵ · π√2/16), 1.4/m with the wavelength of the scatter. It is a pilot estimate, as the
 //! plug-in bandwidths of Ruppert, Sheather and Wand (*An effective bandwidth selector for local least squares regression*, Journal of the American Statistical
 //! Association 90, 1995) have one. The first pilot has waves of one length, the others those that the one before found. Along the profile the wavelength changes
 //! by half of the way at most, since the spline of a point reaches as far as it is long.
@@ -106,7 +106,7 @@ mod tests {
         Vector2::new(-along.y, along.x).normalize()
     }
 
-    /// Goal: where the line has a radius of 3 mm the wavelength is at most half of that of the scatter, 15 mm away from the joint it is that of the scatter,
+    /// Goal: where the line has a radius of 3 mm the wavelength is at most half of that of the scatter. 15 mm away from the joint it is that of the scatter,
     /// and the largest error of the curve is a quarter of that with one wavelength at most. STATISTICS: the error that is left is scatter, of 20 independent
     /// places three standard deviations at most; twenty samples.
     #[test]

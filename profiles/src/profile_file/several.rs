@@ -107,8 +107,8 @@ pub(super) fn chosen_pair(
     Ok(Some((pair, finding)))
 }
 
-/// The values of a column that tells sections apart, in the order of the rows; none if it has a value of its own for
-/// most rows, the same for all, or if its sections lie beside each other, as the halves of a scan do.
+/// The values of a column that tells sections apart, in the order of the rows. None if most rows have a different value, if all have the
+/// same one, or if its sections lie beside each other, as the halves of a scan do.
 pub(super) fn stations(rows: &[Vec<f64>], station: usize, across: usize) -> Option<Vec<f64>> {
     let of = |row: &Vec<f64>| Some((*row.get(station)?, *row.get(across)?));
     let sound = rows.iter().filter_map(of).filter(|(s, y)| !s.is_nan() && !y.is_nan());

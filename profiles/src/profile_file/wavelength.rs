@@ -15,8 +15,8 @@
 //!
 //! p = (E*/2)·Δκ/q₀ · max over ξ of (1/π)·∫ x²/(1 + x⁴)·sin(ξx) dx = 0.187·(E*/2)·Δκ/q₀.
 //!
-//! **The choice.** The shorter one of two: the wave with which scatter leaves 40 MPa on each body, hence 57 MPa, and 85 at most places of
-//! a patch, under both; and the one with which the squares of both pressures have their least sum where the crown of a rail goes
+//! **The choice.** The shorter one of two. With the first wave scatter leaves 40 MPa on each body, hence 57 MPa, and 85 at most places of
+//! a patch, under both. With the second the squares of both pressures have their least sum where the crown of a rail goes
 //! from 300 to 80 mm of radius, which is where q₀⁵ = ⅔·(0.187·Δκ)²/(0.2973²·σ²·h). For points 0.25 mm apart:
 //!
 //! | scatter σ | 0.2 µm | 0.5 µm | 1 µm | 2 µm | 5 µm | 10 µm |

@@ -40,8 +40,8 @@ pub struct Misfit {
     pub kind: ProfileKind,
     /// Share of the profile, 0 to 1, that does not lie on the standard: worn or not explained at all.
     pub share: f64,
-    /// Root mean square of the distances from the standard over what wear leaves alone, m: the sides and corners of a rail's head without those of the side
-    /// that is farther off, underside, web and foot; a wheel's flange back up to its tip, field end of the tread, chamfer and field face. `None` where nothing
+    /// Root mean square of the distances from the standard over what wear leaves alone, m. Of a rail this is the sides and corners of its head without those of the side
+    /// that is farther off, underside, web and foot. Of a wheel it is the flange back up to its tip, field end of the tread, chamfer and field face. `None` where nothing
     /// of that was measured.
     pub rms: Option<f64>,
     /// The measurement placed on it.

@@ -82,7 +82,7 @@ fn a_drawing_of_lines_and_arcs_is_the_section() {
 
 /// Source: 60E1 from its drawing. Goal: its points as columns, from another point on, the other way round, z up and in metres, are that
 /// section. Accuracy: the highest point lies up to h²/8R = 17 nm below the
-/// top of the crown; the head is a spline within 50 nm over its 0.2 m; of the rest the polygon lacks R²/2 (φ - sin φ) under every chord
+/// top of the crown. The head is a spline within 50 nm over its 0.2 m. Of the rest the polygon lacks R²/2 (φ - sin φ) under every chord
 /// of angle φ, and has as much too much where the arc is hollow.
 #[test]
 fn columns_of_points_are_the_section() {
