@@ -12,13 +12,9 @@ use std::process::{Child, Command, Stdio};
 use std::sync::{Mutex, OnceLock};
 use std::time::{Duration, Instant};
 
-use crate::tables::Place;
-use nalgebra::Point2;
+use crate::tables::{Place, hollow_wheels};
 use railspring::python::Python;
 use railspring_profiles::monitor::Silent;
-use railspring_profiles::profile_file::{
-    MeasuredPoint, ProfileFormat, ProfileKind, ReadOptions, read, write,
-};
 use serde_json::{Value, json};
 
 /// A measured wheel and a file that is no profile on two rails at two shifts.
@@ -219,19 +215,7 @@ fn a_folder_goes_to_a_cluster_in_packages() {
          [study.calibration]\nerror_band = false\n[[wheel]]\nfolder = \"measured\"\nstandard = \"S1002\"\n\
          [[rail]]\nprofile = \"60E1\"\n",
     );
-    std::fs::create_dir(place.path("measured")).unwrap();
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/profiles/worn-s1002.whl");
-    let worn = read(&file, &ReadOptions::default()).unwrap();
-    for n in 0..WHEELS {
-        let depth = 3e-3 * n as f64 / WHEELS as f64;
-        let hollow = |point: &MeasuredPoint| {
-            let bump = (-((point.point.x - 5e-3) / 18e-3).powi(2)).exp();
-            MeasuredPoint { point: Point2::new(point.point.x, point.point.y - depth * bump), ..*point }
-        };
-        let points: Vec<_> = worn.points.iter().map(hollow).collect();
-        let text = write(ProfileFormat::MiniProf, ProfileKind::Wheel, &points, "hollow");
-        place.write(&format!("measured/{n:02}.whl"), &text);
-    }
+    hollow_wheels(&place.path("measured"), WHEELS);
     place.write("measured/03.whl", "the wheels of the third of May\n");
     let mut cluster = DaskCluster::new(python, 2);
     let mut running = place.on(&cluster, "sent", &["--worker-cache", "stored"]).spawn().unwrap();

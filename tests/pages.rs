@@ -1,12 +1,13 @@
 //! The pages in a real browser (`cargo long pages`): Chromium, puppeteer-core and axe-core in the versions of `testing/pages/package-lock.json`.
 //!
-//! Goal: reports of a study and of two measured profiles, cross-check, table and comparison scroll sideways on no screen of 390 px, every figure has a text, every link goes somewhere, and
+//! Goal: reports of a study and of two measured profiles, cross-check, table, measured wheels and comparison scroll sideways on no screen of 390 px, every figure has a text, every link goes somewhere, and
 //! axe-core finds no violation; px, no tolerance. A page with a fault of each kind is refused. Printed on A4, no page but the last of each is less than
 //! half full.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use crate::tables::hollow_wheels;
 use railspring::engine::output::OutputFolder;
 use railspring::pdf::Printer;
 
@@ -57,6 +58,10 @@ fn pages_pass_in_a_browser() {
     write("worn.toml", &base.replace("S1002", "EN13715-1in40"));
     railspring(&["run", "worn.toml", "-o", "worn"]);
     railspring(&["table", "table.toml", "-o", "table"]);
+    hollow_wheels(&path("measured-wheels"), 24);
+    let of_fleet = "[[wheel]]\nfolder = \"measured-wheels\"\nstandard = \"S1002\"";
+    write("fleet.toml", &TABLE.replace("[[wheel]]\nprofile = \"S1002\"", of_fleet));
+    railspring(&["table", "fleet.toml", "-o", "fleet"]);
     // two measured profiles without a study
     let profiles = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/profiles");
     let [wheel, rail] =
@@ -97,6 +102,8 @@ fn pages_pass_in_a_browser() {
         "run/crosscheck.html",
         "measured/report.html",
         "table/table.html",
+        "fleet/table.html",
+        "fleet/table_fleet.html",
         "compare.html",
     ];
     let output = check(&pages);

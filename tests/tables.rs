@@ -1,10 +1,13 @@
-//! A folder with the table file of a test, its study and a worn wheel.
+//! A folder with the table file of a test, its study and worn wheels.
 
 use crate::coarser::coarser;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
+use railspring_profiles::profile_file::{
+    MeasuredPoint, ProfileFormat, ProfileKind, ReadOptions, read, write,
+};
 use serde_json::Value;
 
 pub struct Place(pub tempfile::TempDir);
@@ -47,5 +50,21 @@ impl Place {
 
     pub fn json(&self, file: &str) -> Value {
         serde_json::from_slice(&std::fs::read(self.path(file)).unwrap()).unwrap()
+    }
+}
+
+/// Makes a folder with so many wheels, `00.whl` and so on: the worn wheel of `data/profiles` with hollows of up to 3 mm.
+pub fn hollow_wheels(folder: &Path, count: usize) {
+    std::fs::create_dir(folder).unwrap();
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/profiles/worn-s1002.whl");
+    let worn = read(&file, &ReadOptions::default()).unwrap();
+    for n in 0..count {
+        let depth = 3e-3 * n as f64 / count as f64;
+        let mut points = worn.points.clone();
+        for MeasuredPoint { point, .. } in &mut points {
+            point.y -= depth * (-((point.x - 5e-3) / 18e-3).powi(2)).exp();
+        }
+        let text = write(ProfileFormat::MiniProf, ProfileKind::Wheel, &points, "hollow");
+        std::fs::write(folder.join(format!("{n:02}.whl")), text).unwrap();
     }
 }

@@ -168,7 +168,7 @@ fn made(args: &TableArgs, table: &Table) -> Result<bool, Error> {
     let earlier = args.diff.as_ref().map(|earlier| fleet::earlier(earlier)).transpose()?;
     let about = about(table, &args.table, &path, earlier.as_ref());
     let fleet = fleet::page(&rows, &shapes(&made), &about);
-    let page = page(&table.document.name, &table.document.description, &rows);
+    let page = page(&table.document.name, &table.document.description, &rows, fleet.as_ref().map(|_| FLEET));
     let record = record(table, &made);
     let mut files = vec![
         (ROWS, rows.csv().into()),

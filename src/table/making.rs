@@ -1,5 +1,7 @@
 //! What is made of one case of a table: its bodies and its places, each kept in the store as soon as it is there.
 
+use std::sync::Arc;
+
 use railspring_calibrate::analytic::hertz::point_contact;
 use railspring_calibrate::calibration::Reference;
 use railspring_calibrate::pair::{CondensedPair, PairBody};
@@ -45,7 +47,7 @@ pub struct PlaceRecord {
     pub hertz_kn_per_m: Vec<f64>,
     /// What the measured surfaces are; none where neither was measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub measured: Option<MeasuredRecord>,
+    pub measured: Option<Arc<MeasuredRecord>>,
     /// The bodies that the measured surfaces were pressed on; none where neither was measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bodies: Option<BodiesRecord>,
@@ -461,7 +463,7 @@ pub(super) struct Meshed {
 pub(super) struct Ready {
     room: Room,
     on_bodies: OnBodies,
-    measured: Option<MeasuredRecord>,
+    measured: Option<Arc<MeasuredRecord>>,
     bodies: Option<BodiesRecord>,
     /// The same on its own bodies, of some of those that are on others.
     own: Option<OnBodies>,
@@ -471,7 +473,7 @@ impl Ready {
     /// That of a case on its own bodies.
     fn new(study: &Study, room: Room, on_bodies: OnBodies) -> Self {
         let (statics, geometry) = (study.statics(), &on_bodies.geometry);
-        let measured = MeasuredRecord::of(statics, geometry);
+        let measured = MeasuredRecord::of(statics, geometry).map(Arc::new);
         let bodies = measured.is_some().then_some(BodiesRecord::OWN);
         Self { room, on_bodies, measured, bodies, own: None }
     }

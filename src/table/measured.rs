@@ -46,7 +46,7 @@ pub fn about<'a>(table: &'a Table, path: &Path, folder: &Path, earlier: Option<&
 
 /// The deviations of the measured wheels of places from their standards; of the rails, where no wheel was measured.
 pub fn shapes(places: &[(Place, PlaceRecord)]) -> Vec<Option<Shape>> {
-    let measured = || places.iter().map(|(_, record)| record.measured.as_ref());
+    let measured = || places.iter().map(|(_, record)| record.measured.as_deref());
     let of_wheels = measured().flatten().any(|of| of.wheel.is_some());
     let shape = |of: &MeasuredRecord| {
         let wheel = of.wheel.as_ref().map(|wheel| &wheel.deviation);

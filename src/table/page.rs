@@ -35,8 +35,8 @@ struct Seen<'a> {
     row: &'a [Cell],
 }
 
-/// The page; self-contained.
-pub fn page(name: &str, description: &str, rows: &Rows) -> String {
+/// The page; self-contained. `fleet` is the file beside it with the page of many measured profiles, if there is one.
+pub fn page(name: &str, description: &str, rows: &Rows, fleet: Option<&str>) -> String {
     let loads: Vec<&str> =
         rows.columns.iter().filter_map(|column| column.strip_prefix("stiffness_kn_per_m_at_")).collect();
     let seen = seen(rows, loads.last().copied().unwrap_or_default());
@@ -52,6 +52,7 @@ pub fn page(name: &str, description: &str, rows: &Rows) -> String {
         json!({
             "name": name,
             "description": description,
+            "fleet": fleet,
             "places": rows.rows.len(),
             "complete": count(Status::Complete),
             "early": count(Status::EndsEarly),

@@ -5,6 +5,7 @@
 //! condensed, which the store keeps, and the rest is dense algebra.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use railspring_profiles::error::{Error, Result, unless_interrupted};
@@ -15,6 +16,7 @@ use super::cases::{Case, Table};
 use super::document::SideKey;
 use super::making::{CaseWork, PlaceRecord, Ready, Settings};
 use super::shared::{Common, nominal, shares};
+use super::surfaces::MeasuredRecord;
 use super::turns::{Pairs, in_turn};
 use crate::engine::store::Store;
 use crate::results::bodies::estimate::{self, GIB, Resources, Work};
@@ -123,7 +125,8 @@ impl<'a> Places<'a> {
                 resources.monitor.notice(&text)
             })
         };
-        let records = places.par_iter().map(take).collect();
+        let mut records: Vec<Option<PlaceRecord>> = places.par_iter().map(take).collect();
+        share_measured(&mut records);
         Self { table, store, resources, nominals: Common::default(), places, records }
     }
 
@@ -239,6 +242,17 @@ impl<'a> Places<'a> {
         }
         let records = self.records.into_iter().map(|record| record.expect("every place was taken or made"));
         Ok(self.places.into_iter().zip(records).collect())
+    }
+}
+
+/// Places of a case, which stand side by side, have one record of its measured surfaces: with many shifts that is a tenth of the memory.
+fn share_measured(records: &mut [Option<PlaceRecord>]) {
+    let mut last: Option<Arc<MeasuredRecord>> = None;
+    for measured in records.iter_mut().flatten().filter_map(|record| record.measured.as_mut()) {
+        match &last {
+            Some(known) if known == measured => *measured = Arc::clone(known),
+            _ => last = Some(Arc::clone(measured)),
+        }
     }
 }
 

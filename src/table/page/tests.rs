@@ -36,7 +36,7 @@ fn rows() -> Rows {
 /// Goal: the page counts, names the odd place first, has every pair and every reason, and no name ends its script or becomes a tag.
 #[test]
 fn a_page_shows_what_is_odd_and_what_is_missing() {
-    let page = page("a <b>", "", &rows());
+    let page = page("a <b>", "", &rows(), None);
     // for looking at the page
     if let Some(folder) = std::env::var_os("RAILSPRING_SAMPLE_REPORT") {
         let folder = std::path::Path::new(&folder);
@@ -114,7 +114,7 @@ fn a_page_of_a_million_places() {
             row
         })
         .collect();
-    let page = page("a million", "", &Rows { columns, rows, metadata: 0..0 });
+    let page = page("a million", "", &Rows { columns, rows, metadata: 0..0 }, None);
     let path = std::env::temp_dir().join("railspring-a-million-places.html");
     std::fs::write(&path, &page).unwrap();
     println!("{}: {:.0} MB", path.display(), 1e-6 * page.len() as f64);
