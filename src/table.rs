@@ -23,6 +23,7 @@ mod making;
 mod turns;
 mod places;
 mod work;
+mod axle;
 pub mod rows;
 pub mod changes;
 mod record;

@@ -245,3 +245,39 @@ fn one_wheel_in_a_hundred_is_pressed_on_its_own_bodies() {
         assert_eq!(own[found], "");
     }
 }
+
+/// Source: two wheels of one shape are a wheelset of equal sides. Goal: the conicity of an axle whose left and right wheels were measured is that of either where both are alike, and lies
+/// between those of two that differ; a wheel without the other one of its axle has none. The standard and the uncertainty of the place stand in columns. Accuracy: ROUNDOFF, of radii in nanometres.
+#[test]
+fn an_axle_runs_on_both_of_its_wheels() {
+    const ROUNDOFF: f64 = 1e-4;
+    let place =
+        Place::new(&TABLE.replace("[[wheel]]", "[[wheel]]\nname_pattern = \"{vehicle}_{axle}_{side}\""));
+    std::fs::create_dir(place.path("measured")).unwrap();
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/profiles/worn-s1002.whl");
+    let worn = read(&file, &ReadOptions::default()).unwrap();
+    let hollow = |depth: f64| {
+        let mut points = worn.points.clone();
+        for point in &mut points {
+            point.point.y -= depth * (-((point.point.x - 5e-3) / 18e-3).powi(2)).exp();
+        }
+        write(ProfileFormat::Csv, ProfileKind::Wheel, &points, "worn")
+    };
+    for (name, depth) in [("7_1_L", 0.0), ("7_1_R", 0.0), ("7_2_L", 0.0), ("7_2_R", 1e-3), ("7_3_L", 0.0)] {
+        place.write(&format!("measured/{name}.csv"), &hollow(depth));
+    }
+    let (code, said) = place.run(&["table", "table.toml", "-o", "out"]);
+    assert_eq!(code, Some(0), "{said}");
+    let rows = rows(&place);
+    let number = |row: usize, column: &str| rows[row][column].parse::<f64>().unwrap();
+    let (own, axle) = ("conicity_at_3mm", "axle_conicity_at_3mm");
+    for row in 0..2 {
+        assert!((number(row, axle) / number(row, own) - 1.0).abs() < ROUNDOFF, "{row}");
+    }
+    let (least, most) = (number(2, own).min(number(3, own)), number(2, own).max(number(3, own)));
+    assert!(most > 1.05 * least && (least..=most).contains(&number(2, axle)), "{least} {most}");
+    assert_eq!(rows[2][axle], rows[3][axle]);
+    assert_eq!(rows[4][axle], "");
+    assert_eq!(rows[0]["wheel_standard"], "S1002");
+    assert!((0.0..5.0).contains(&number(0, "wheel_lateral_uncertainty_mm")));
+}

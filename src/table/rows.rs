@@ -9,6 +9,7 @@ use railspring_profiles::units::MILLIMETRE;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use super::axle::{self, AxleConicity};
 use super::cases::{Case, Table};
 use super::making::{PlaceRecord, is_uncertain};
 use super::places::Place;
@@ -108,11 +109,15 @@ impl Rows {
                 false => case.study.rail.measured.is_some(),
             })
         });
+        let axles = axle::conicities(table, places);
         let row = |(place, record): &(Place, PlaceRecord), named: bool| {
             let mut row = Row { named, ..Row::default() };
             row.place(table, place, &known, &varied);
             row.touch(record);
             row.measured(record, measured);
+            if !axles.is_empty() {
+                row.axle(axles.get(&place.case));
+            }
             row.law(law_in_use(&table.cases[place.case], record));
             for load in &table.document.stiffness_at_kn {
                 row.load(&table.cases[place.case], record, &table.document.stiffness_at_kn, *load);
@@ -222,6 +227,8 @@ impl Row {
         let of = record.measured.as_ref();
         if wheels {
             let wheel = of.and_then(|of| of.wheel.as_ref());
+            self.put("wheel_standard", wheel.map_or("", |wheel| &wheel.standard));
+            self.put("wheel_lateral_uncertainty_mm", wheel.map(|wheel| wheel.lateral_uncertainty_mm));
             self.put("wheel_flange_height_mm", wheel.and_then(|wheel| wheel.flange_height_mm));
             self.put("wheel_flange_thickness_mm", wheel.and_then(|wheel| wheel.flange_thickness_mm));
             self.put("wheel_flange_slope_mm", wheel.and_then(|wheel| wheel.flange_slope_mm));
@@ -230,6 +237,8 @@ impl Row {
         }
         if rails {
             let rail = of.and_then(|of| of.rail.as_ref());
+            self.put("rail_standard", rail.map_or("", |rail| &rail.standard));
+            self.put("rail_roll_uncertainty_deg", rail.map(|rail| rail.roll_uncertainty_deg));
             self.put("rail_vertical_wear_mm", rail.and_then(|rail| rail.vertical_wear_mm));
             self.put("rail_lateral_wear_mm", rail.and_then(|rail| rail.lateral_wear_mm));
         }
@@ -249,6 +258,13 @@ impl Row {
             self.put("displacement_rel_own_bodies", own.map(|own| own.displacement));
             self.put("stiffness_rel_own_bodies", own.map(|own| own.tangent));
             self.put("horizontal_rel_own_bodies", own.map(|own| own.horizontal));
+        }
+    }
+
+    /// Of a table with axles of which both wheels were measured.
+    fn axle(&mut self, conicity: Option<&AxleConicity>) {
+        for (at, amplitude) in AMPLITUDES_MM.iter().enumerate() {
+            self.put(format_args!("axle_conicity_at_{amplitude}mm"), conicity.and_then(|of| of[at]));
         }
     }
 

@@ -37,11 +37,18 @@ pub struct MeasuredRecord {
     pub rail: Option<RailRecord>,
     /// Equivalent conicity (EN 15302) at the amplitudes 1 to 5 mm, the axle level; none where the wheelset does not swing so far.
     pub conicity: Vec<Option<f64>>,
+    /// Where the wheel rolls on the rail as it shifts towards it ([`running_shifts`]): its radius less that of the tape circle, mm; empty where it misses the rail in the
+    /// range.
+    pub rolling_radii_mm: Vec<f64>,
 }
 
 /// A measured wheel; lengths in mm, none where the profile does not reach.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct WheelRecord {
+    /// The standard, or the file of a section, that it was laid on.
+    pub standard: String,
+    /// What its lateral place may be off by, either way, mm; 0 where its file says the place.
+    pub lateral_uncertainty_mm: f64,
     /// Sh.
     pub flange_height_mm: Option<f64>,
     /// Sd.
@@ -59,6 +66,10 @@ pub struct WheelRecord {
 /// A measured rail, likewise.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RailRecord {
+    /// The standard, or the file of a section, that it was laid on.
+    pub standard: String,
+    /// What its roll may be off by, either way, degrees; 0 where its file says the roll.
+    pub roll_uncertainty_deg: f64,
     /// Height that is missing on the axis.
     pub vertical_wear_mm: Option<f64>,
     /// Width that is missing at the gauge face, 14 mm below the top of the new rail.
@@ -88,6 +99,8 @@ impl MeasuredRecord {
                 let WheelWear { flange_height, flange_thickness, flange_slope, tread, hollow } =
                     wheel_wear(&assumed.curve, &reference);
                 WheelRecord {
+                    standard: assumed.base.clone(),
+                    lateral_uncertainty_mm: assumed.unsure.shift / MILLIMETRE,
                     flange_height_mm: in_mm(flange_height),
                     flange_thickness_mm: in_mm(flange_thickness),
                     flange_slope_mm: in_mm(flange_slope),
@@ -101,6 +114,8 @@ impl MeasuredRecord {
                 let reference = Reference::rail(base);
                 let RailWear { vertical, lateral } = rail_wear(&assumed.curve, &reference);
                 RailRecord {
+                    standard: assumed.base.clone(),
+                    roll_uncertainty_deg: assumed.unsure.roll.to_degrees(),
                     vertical_wear_mm: in_mm(vertical),
                     lateral_wear_mm: in_mm(lateral),
                     deviation: deviation(&reference, surface, RAIL_RANGE),
@@ -109,30 +124,43 @@ impl MeasuredRecord {
         if wheel.is_none() && rail.is_none() {
             return None;
         }
-        let running = running(statics, &geometry.pair);
+        let radii = rolling_radii(statics, &geometry.pair);
+        let running = radii.as_ref().map_err(Clone::clone).and_then(|radii| running(radii));
         let conicity = |mm: &f64| running.as_ref().ok()?.equivalent_conicity(mm * MILLIMETRE);
-        Some(Self { wheel, rail, conicity: AMPLITUDES_MM.iter().map(conicity).collect() })
+        let conicity = AMPLITUDES_MM.iter().map(conicity).collect();
+        let rolling_radii_mm = radii.unwrap_or_default().into_iter().map(nanometre).collect();
+        Some(Self { wheel, rail, conicity, rolling_radii_mm })
     }
 }
 
-/// To the nanometre.
+/// In mm, to the nanometre.
+fn nanometre(length: f64) -> f64 {
+    (1e6 * length / MILLIMETRE).round() * 1e-6
+}
+
 fn in_mm(length: Option<f64>) -> Option<f64> {
-    length.map(|length| (1e6 * length / MILLIMETRE).round() * 1e-6)
+    length.map(nanometre)
+}
+
+/// The shifts of the running function, m.
+pub(super) fn running_shifts() -> Vec<f64> {
+    (-STEPS..=STEPS).map(|step| RANGE * f64::from(step) / f64::from(STEPS)).collect()
+}
+
+/// Where the wheel rolls at these shifts towards its rail: its radius less that of the tape circle, m.
+fn rolling_radii(statics: Statics<'_>, pair: &Pair) -> Result<Vec<f64>> {
+    let touches = TouchSearch::new(&pair.placed, &pair.wheel.running);
+    let radius = |shift: f64| -> Result<f64> {
+        let at = touches.at(tape_y(statics, pair, shift))?;
+        Ok(pair.wheel.running.point(at.wheel_s).y)
+    };
+    running_shifts().into_iter().map(radius).collect()
 }
 
 /// Rolling-radius difference of a wheelset of equal sides, its axle level.
-fn running(statics: Statics<'_>, pair: &Pair) -> Result<RunningFunction> {
-    let shifts: Vec<f64> = (-STEPS..=STEPS).map(|step| RANGE * f64::from(step) / f64::from(STEPS)).collect();
-    let touches = TouchSearch::new(&pair.placed, &pair.wheel.running);
-    let radius = |shift: &f64| -> Result<f64> {
-        let at = touches.at(tape_y(statics, pair, *shift))?;
-        Ok(pair.wheel.running.point(at.wheel_s).y)
-    };
-    let radii: Vec<f64> = shifts.iter().map(radius).collect::<Result<_>>()?;
-    let points = shifts
-        .into_iter()
-        .zip(radii.iter().zip(radii.iter().rev()))
-        .map(|(shift, (right, left))| RunningPoint { shift, difference: right - left });
+fn running(radii: &[f64]) -> Result<RunningFunction> {
+    let points = running_shifts().into_iter().zip(radii.iter().zip(radii.iter().rev()));
+    let points = points.map(|(shift, (right, left))| RunningPoint { shift, difference: right - left });
     RunningFunction::from_points(points.collect())
 }
 

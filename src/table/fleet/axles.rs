@@ -7,6 +7,7 @@ use super::kind::Kind;
 use super::quantity::Role;
 use super::section::{Section, Table};
 use crate::report::number::number;
+use crate::table::axle::side;
 
 /// Axles of a quantity that are listed.
 const LISTED: usize = 15;
@@ -37,15 +38,6 @@ pub fn axles<'b>(bodies: &'b Bodies<'_>) -> Vec<Axle<'b>> {
         _ => None,
     };
     axles.into_iter().filter_map(both).collect()
-}
-
-/// 0 for left and 1 for right, by the first letter.
-fn side(text: &str) -> Option<usize> {
-    match text.trim().to_lowercase().chars().next()? {
-        'l' => Some(0),
-        'r' => Some(1),
-        _ => None,
-    }
 }
 
 /// The section; none of rails.
@@ -111,18 +103,4 @@ fn compare(section: &mut Section, axles: &[Axle<'_>], name: &str, value: &dyn Fn
 pub fn signed(difference: f64) -> String {
     let plus = if difference > 0.0 { "+" } else { "" };
     format!("{plus}{}", number(difference))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Goal: sides by their first letter, also in German.
-    #[test]
-    fn sides_of_an_axle() {
-        assert_eq!(
-            ["left", "R", " Links", "rechts", "2", ""].map(side),
-            [Some(0), Some(1), Some(0), Some(1), None, None]
-        );
-    }
 }
