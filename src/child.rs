@@ -19,6 +19,8 @@ pub(crate) struct Limits {
     pub time: Duration,
     /// Bytes on its standard output.
     pub output: u64,
+    /// Bytes of memory, where the system says what a program has; none: whatever it takes.
+    pub memory: Option<f64>,
 }
 
 /// What a program that ended has left.
@@ -39,6 +41,8 @@ pub(crate) enum Stop {
     Time,
     /// It wrote more than allowed.
     Output,
+    /// It took more memory than allowed.
+    Memory,
     /// The user wants to stop.
     Asked(Error),
 }
@@ -64,7 +68,12 @@ pub(crate) fn run(
         output.take(bytes + 1).read_to_end(&mut read).map(|_| read)
     });
     let messages = messages_of(&mut child);
-    let result = wait(&mut child, (&output, &messages), limits, deadline, go_on);
+    let id = child.id();
+    let look = || match limits.memory.zip(resident(id)) {
+        Some((most, taken)) if taken > most => Err(Stop::Memory),
+        _ => go_on().map_err(Stop::Asked),
+    };
+    let result = wait(&mut child, (&output, &messages), limits, deadline, &look);
     if result.is_err() {
         let _ = child.kill();
         let _ = child.wait();
@@ -77,13 +86,13 @@ fn wait(
     (output, messages): (&Receiver<io::Result<Vec<u8>>>, &Receiver<String>),
     limits: &Limits,
     deadline: Instant,
-    go_on: &dyn Fn() -> Result<()>,
+    look: &dyn Fn() -> std::result::Result<(), Stop>,
 ) -> std::result::Result<Ended, Stop> {
-    let output = within(output, deadline, go_on)?.map_err(Stop::Failed)?;
+    let output = within(output, deadline, look)?.map_err(Stop::Failed)?;
     if output.len() as u64 > limits.output {
         return Err(Stop::Output);
     }
-    let messages = within(messages, deadline, go_on)?;
+    let messages = within(messages, deadline, look)?;
     loop {
         if let Some(status) = child.try_wait().map_err(Stop::Failed)? {
             return Ok(Ended { status, output, messages });
@@ -91,22 +100,29 @@ fn wait(
         if Instant::now() > deadline {
             return Err(Stop::Time);
         }
-        go_on().map_err(Stop::Asked)?;
+        look()?;
         std::thread::sleep(PAUSE);
     }
+}
+
+/// Bytes of memory that a process has, where the system says it.
+fn resident(id: u32) -> Option<f64> {
+    let status = std::fs::read_to_string(format!("/proc/{id}/status")).ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
+    Some(1024.0 * line.trim().strip_suffix("kB")?.trim().parse::<f64>().ok()?)
 }
 
 /// What a thread sends, before the deadline.
 fn within<T>(
     from: &Receiver<T>,
     deadline: Instant,
-    go_on: &dyn Fn() -> Result<()>,
+    look: &dyn Fn() -> std::result::Result<(), Stop>,
 ) -> std::result::Result<T, Stop> {
     loop {
         match from.recv_timeout(PAUSE) {
             Ok(sent) => return Ok(sent),
             Err(RecvTimeoutError::Timeout) if Instant::now() > deadline => return Err(Stop::Time),
-            Err(RecvTimeoutError::Timeout) => go_on().map_err(Stop::Asked)?,
+            Err(RecvTimeoutError::Timeout) => look()?,
             Err(RecvTimeoutError::Disconnected) => {
                 return Err(Stop::Failed(io::Error::other("its output could not be read")));
             }
@@ -138,7 +154,7 @@ fn in_thread<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> Re
 mod tests {
     use super::*;
 
-    const LIMITS: Limits = Limits { time: Duration::from_secs(60), output: 1000 };
+    const LIMITS: Limits = Limits { time: Duration::from_secs(60), output: 1000, memory: None };
 
     fn shell(script: &str) -> Command {
         let mut command = Command::new("sh");
@@ -167,6 +183,13 @@ mod tests {
         assert!(matches!(run(&mut shell(silent), &short, &|| Ok(())), Err(Stop::Time)));
         assert!(matches!(run(&mut shell("exec yes"), &LIMITS, &|| Ok(())), Err(Stop::Output)));
         let stop = || Err(Error::Interrupted);
+        if cfg!(target_os = "linux") {
+            // a shell has some hundred kB
+            let small = Limits { memory: Some(1e4), ..LIMITS };
+            assert!(matches!(run(&mut shell("exec sleep 600"), &small, &|| Ok(())), Err(Stop::Memory)));
+            let ample = Limits { memory: Some(1e9), ..LIMITS };
+            assert!(run(&mut shell("sleep 0.2"), &ample, &|| Ok(())).unwrap().status.success());
+        }
         let asked = run(&mut shell("exec sleep 600"), &LIMITS, &stop);
         assert!(matches!(asked, Err(Stop::Asked(Error::Interrupted))));
         let absent = run(&mut Command::new("/no/such/program"), &LIMITS, &|| Ok(()));

@@ -118,7 +118,7 @@ impl Cluster<'_> {
                 Summary { places: 0, again: 0, beside: 0, workers_lost: 0, seconds: 0.0, failed: None };
             return Ok(none);
         }
-        let python = Python::for_cluster(resources.interpreter, &cache_folder(), monitor)?;
+        let python = Python::for_cluster(resources.interpreter, &cache_folder()?, monitor)?;
         let folder = std::path::absolute(store.path()).unwrap_or_else(|_| store.path().into());
         // workers that see this file share the store
         let token = tempfile::Builder::new()

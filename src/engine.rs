@@ -2,6 +2,7 @@
 //!
 //! Nothing here knows a result: its folder of [`crate::results`] has what it is made from, how, and which files it becomes.
 
+pub mod inputs;
 pub mod output;
 pub mod columns;
 pub mod list;

@@ -26,10 +26,11 @@ use lumped::{LumpedCase, LumpedPair};
 use railspring_calibrate::law::Form;
 use railspring_profiles::error::{InputError, Result};
 use serde::Deserialize;
-use serde::de::IgnoredAny;
+use serde::de::{DeserializeOwned, IgnoredAny};
 use spring::Spring;
 
-use crate::engine::output::{parse_json, read_json, read_text};
+use crate::engine::output::{parse_json, read_text};
+use crate::engine::seal::Sealed;
 use crate::results::by_angle::record::{BY_ANGLE, StiffnessByAngleRecord};
 use crate::results::springs::record::StiffnessRecord;
 use crate::study::Study;
@@ -39,7 +40,7 @@ pub use element::element;
 pub use format::{Format, LawForm};
 pub use lumped::LumpedContact;
 pub use spring::ExportFile;
-pub use table_rows::{Condition, ExportRow, index, rows};
+pub use table_rows::{Condition, ExportRow, INDEX_BEGIN, index, rows};
 pub use unit::{c_files, functional_mock_up_unit};
 
 /// What springs are read from.
@@ -55,7 +56,7 @@ impl SpringsFile {
     /// Reads the file at `path`.
     ///
     /// # Errors
-    /// [`InputError`] for a file that is neither of them.
+    /// [`InputError`] for a file that is neither of them, or is not as it was written.
     pub fn read(path: &Path) -> Result<Self> {
         /// What a table has and a calibration does not.
         #[derive(Deserialize)]
@@ -66,10 +67,17 @@ impl SpringsFile {
         let text = read_text(path, "calibrate` or `railspring table")?;
         let table = serde_json::from_str::<Which>(&text).is_ok_and(|which| which.cases.is_some());
         Ok(match table {
-            true => Self::Table(Box::new(parse_json(path, &text, "table")?)),
-            false => Self::Calibration(Box::new(parse_json(path, &text, "calibrate")?)),
+            true => Self::Table(Box::new(as_written(path, &text, "table")?)),
+            false => Self::Calibration(Box::new(as_written(path, &text, "calibrate")?)),
         })
     }
+}
+
+/// A record of a file that is as it was written.
+fn as_written<T: Sealed + DeserializeOwned>(path: &Path, text: &str, made_by: &str) -> Result<T> {
+    let record: T = parse_json(path, text, made_by)?;
+    record.check_as_written(path, made_by)?;
+    Ok(record)
 }
 
 /// What is wanted of springs.
@@ -170,7 +178,7 @@ pub fn of_calibration(
 /// The laws by contact angle beside a `stiffness.json`, of the same pair.
 fn laws_beside(path: &Path, record: &StiffnessRecord) -> Result<StiffnessByAngleRecord> {
     let beside = path.with_file_name(BY_ANGLE);
-    let laws: StiffnessByAngleRecord = read_json(&beside, "calibrate")?;
+    let laws: StiffnessByAngleRecord = as_written(&beside, &read_text(&beside, "calibrate")?, "calibrate")?;
     if laws.pair.hash == record.pair.hash {
         return Ok(laws);
     }

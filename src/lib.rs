@@ -18,6 +18,7 @@ pub mod program;
 pub mod rounding;
 pub mod hash;
 mod child;
+mod plain_file;
 pub mod verify;
 pub mod study;
 pub mod template;

@@ -8,6 +8,7 @@ use std::time::Duration;
 use railspring_profiles::error::{InputError, Result};
 
 use crate::child::{Limits, Stop, run};
+use crate::engine::list::{NewFile, Results};
 use crate::engine::output::OutputFolder;
 
 /// Names of the browser on the search path.
@@ -54,6 +55,14 @@ impl Printer {
         Ok(Self { browser })
     }
 
+    /// What has to be known about how pages are printed, if anything.
+    pub fn remark() -> Option<&'static str> {
+        let without = sandbox().contains(&NO_SANDBOX);
+        without.then_some(
+            "--pdf as root: Chromium prints the page without its sandbox, which root cannot have; run as another user to keep it",
+        )
+    }
+
     /// Prints a page of a folder beside it, and says under which name.
     ///
     /// # Errors
@@ -78,24 +87,35 @@ impl Printer {
             .arg(with_value("--user-data-dir=", place.path()))
             .arg(with_value("--print-to-pdf=", &file))
             .arg(url(&page_at));
-        let ended = run(&mut command, &Limits { time: LONGEST, output: SAID }, &|| Ok(())).map_err(
-            |stop| match stop {
+        let ended = run(&mut command, &Limits { time: LONGEST, output: SAID, memory: None }, &|| Ok(()))
+            .map_err(|stop| match stop {
                 Stop::Failed(cause) => failed(cause.to_string()),
                 Stop::Time => failed(format!("no end after {} s", LONGEST.as_secs())),
                 Stop::Output => failed("more messages than a browser has".into()),
+                Stop::Memory => failed("more memory than allowed".into()),
                 Stop::Asked(cause) => failed(cause.to_string()),
-            },
-        )?;
+            })?;
         let content = std::fs::read(&file).unwrap_or_default();
         if !ended.status.success() || !content.starts_with(b"%PDF") {
             let last = ended.messages.lines().map(str::trim).rfind(|line| !line.is_empty());
             return Err(failed(last.unwrap_or("no PDF").to_string()).into());
         }
         let name = Path::new(page).with_extension("pdf").display().to_string();
-        folder.write(&name, &content)?;
+        let results = Results::new(folder);
+        match results.entry(page) {
+            // beside a listed page, and gone with it
+            Some(entry) => {
+                let file = NewFile { reproducible: false, ..NewFile::new(&name, content, &entry.key) };
+                results.write(vec![file], &[])?;
+            }
+            None => folder.write(&name, &content)?,
+        }
         Ok(name)
     }
 }
+
+/// Chromium's option for running without its sandbox.
+const NO_SANDBOX: &str = "--no-sandbox";
 
 /// Chromium refuses to run as root with its sandbox; the page is that of this program.
 fn sandbox() -> &'static [&'static str] {
@@ -104,7 +124,7 @@ fn sandbox() -> &'static [&'static str] {
         use std::os::unix::fs::MetadataExt;
         let root = std::fs::metadata("/proc/self").is_ok_and(|of| of.uid() == 0);
         if root {
-            return &["--no-sandbox"];
+            return &[NO_SANDBOX];
         }
     }
     &[]
@@ -133,6 +153,7 @@ fn url(path: &Path) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::engine::inputs::Inputs;
 
     /// Goal: names of files become addresses that a browser takes for the same file.
     #[test]
@@ -162,7 +183,7 @@ mod tests {
         let browser = place.path().join("chromium");
         std::fs::write(&browser, format!("#!/bin/sh\n{script}\n")).unwrap();
         std::fs::set_permissions(&browser, std::fs::Permissions::from_mode(0o755)).unwrap();
-        let folder = OutputFolder::create(&place.path().join("out")).unwrap();
+        let folder = OutputFolder::create(&place.path().join("out"), &Inputs::none()).unwrap();
         folder.write("report.html", b"<p>").unwrap();
         let said = Printer { browser }.print(&folder, "report.html");
         (said, std::fs::read(folder.file("report.pdf")).ok())

@@ -157,16 +157,23 @@ impl Python {
     }
 
     /// What the reader of mesh files says about a file and the names of its contact surface, held nodes and groups: a line of
-    /// JSON and raw data, as `mesh_in.py` describes them. `key` is that of the file in the study.
+    /// JSON and raw data, as `mesh_in.py` describes them. `key` is that of the file in the study, and `memory` the most
+    /// bytes that the reader may take.
     ///
     /// # Errors
     /// [`InputError`] with key `--python` if the reader does not start, and with `key` if the file takes it too long,
     /// holds too much or ends it; an interruption by the user. A file that it refuses is no such error.
-    pub fn read_mesh(&self, key: &str, file: &MeshFile, monitor: &dyn Monitor) -> Result<Vec<u8>> {
+    pub fn read_mesh(
+        &self,
+        key: &str,
+        file: &MeshFile,
+        memory: Option<f64>,
+        monitor: &dyn Monitor,
+    ) -> Result<Vec<u8>> {
         let bytes = std::fs::metadata(&file.path).map_or(0, |data| data.len());
         #[allow(clippy::cast_precision_loss)] // seconds for a file
         let time = READER_START + READER_PER_MEGABYTE.mul_f64(bytes as f64 / 1e6);
-        self.read_mesh_within(&Limits { time, output: LARGEST_ANSWER }, key, file, monitor)
+        self.read_mesh_within(&Limits { time, output: LARGEST_ANSWER, memory }, key, file, monitor)
     }
 
     fn read_mesh_within(
@@ -196,6 +203,16 @@ impl Python {
                     format!("a mesh that is read within {seconds:.0} s, which is ample for a file of its size"),
                     "check that the file is whole and what its ending says, or write it in another format (VTU is read \
                      fastest)",
+                )
+                .into());
+            }
+            Err(Stop::Memory) => {
+                let gib = limits.memory.unwrap_or_default() / (1u64 << 30) as f64;
+                return Err(InputError::new(
+                    key,
+                    format!("\"{}\" (its reader took more than {gib:.2} GiB of memory)", file.display()),
+                    format!("a mesh that is read within {gib:.2} GiB"),
+                    "check the file, take a coarser mesh, or allow more with --memory-limit",
                 )
                 .into());
             }
@@ -363,7 +380,7 @@ mod tests {
     #[test]
     fn a_reader_that_does_not_end_is_refused() {
         let (python, root) = planted("exit 1");
-        let limits = Limits { time: Duration::from_millis(300), output: 1000 };
+        let limits = Limits { time: Duration::from_millis(300), output: 1000, memory: None };
         let begun = std::time::Instant::now();
         let file = MeshFile {
             file: "rail.inp".into(),

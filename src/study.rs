@@ -12,6 +12,7 @@ mod explain;
 mod collect;
 mod content;
 mod file_content;
+mod key_value;
 mod pair;
 mod analysis;
 mod library_errors;
@@ -44,6 +45,7 @@ pub use document::{
 pub use explain::{KeyText, SectionText, explain, sections};
 pub use file_content::FileContent;
 pub use force_curve::{ForceCurve, MeasuredForce};
+pub use key_value::KeyValue;
 pub use library_errors::with_keys;
 pub use pair::{MeasuredSurface, MeshFile, Rail, RailBody, SectionFile, Track, Wheel};
 pub use record::{PairRecord, ResolvedKey, ResolvedKeys};

@@ -100,6 +100,15 @@ pub const LOADS_LEFT_OUT: Criterion = Criterion {
     limit: 0.0,
 };
 
+/// How many things were found in measured profiles and could not be repaired.
+pub const PROFILE_FINDINGS: Criterion = Criterion {
+    quantity: "profile_findings",
+    meaning: "Findings in measured profiles that are left to look at",
+    kind: Kind::Consistency,
+    unit: "1",
+    limit: 0.0,
+};
+
 /// In how many of the runs nothing touches.
 const TOUCHES: Criterion = Criterion {
     quantity: "touches",

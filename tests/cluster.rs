@@ -420,10 +420,10 @@ fn simulated(python: &'static Path, place: &Place) {
     // one place takes 6 kB
     place.write("nothing", &format!(
         "#!/bin/sh\n[ \"$2\" = --check ] && {{ echo '{{\"program\": \"none\", \"version\": \"0\"}}'; exit; }}\n\
-         task=$(cat)\nmkdir -p \"$3\"\ncase \"$task\" in *'\"prepare\"'*) touch \"$3/prepared\"; echo '{{\"refused\": [], \"bodies\": [], \"entries\": [\"prepared\"]}}';;\n\
+         task=$(cat)\nmkdir -p \"$3\"\ncase \"$task\" in *'\"prepare\"'*) touch \"$3/{prepared}\"; echo '{{\"refused\": [], \"bodies\": [], \"entries\": [\"{prepared}\"]}}';;\n\
          *) [ -f \"$3/{last}\" ] || for name in {all}; do head -c 6000 /dev/zero > \"$3/$name\"; done\n\
          echo '{{\"refused\": [], \"bodies\": [], \"entries\": [{quoted}]}}';; esac\n",
-        last = names[PLACES - 1], all = names.join(" "), quoted = quoted.join(", "),
+        prepared = format!("prepared-{:064x}.artefact", 0), last = names[PLACES - 1], all = names.join(" "), quoted = quoted.join(", "),
     ));
     std::fs::set_permissions(place.path("nothing"), std::os::unix::fs::PermissionsExt::from_mode(0o755))
         .unwrap();

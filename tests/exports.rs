@@ -14,9 +14,13 @@ use std::process::Output;
 use std::sync::OnceLock;
 
 use assert_cmd::Command;
+use railspring::engine::seal::Sealed;
+use railspring::results::by_angle::record::StiffnessByAngleRecord;
 use railspring::results::springs::form::NormalLawRecord;
 use railspring::results::springs::law::LawConstants;
+use railspring::results::springs::record::StiffnessRecord;
 use railspring_calibrate::law::{NormalLaw, StiffnessLaw};
+use serde::de::DeserializeOwned;
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -67,6 +71,11 @@ fn said(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
+/// The text of a record as the program would have written it: exports take no edited one.
+fn sealed<T: Sealed + DeserializeOwned>(record: &Value) -> String {
+    serde_json::to_string(&serde_json::from_value::<T>(record.clone()).unwrap().sealed()).unwrap()
+}
+
 /// A copy of the calibrated springs whose laws have these constants, kN/m and 1 kN, if any.
 fn springs(constants: Option<[f64; 3]>) -> (TempDir, Value) {
     let place = tempfile::tempdir().unwrap();
@@ -88,7 +97,7 @@ fn springs(constants: Option<[f64; 3]>) -> (TempDir, Value) {
             }
             (found["law"], found["forms"]) = (law, forms);
         }
-        std::fs::write(&path, record.to_string()).unwrap();
+        std::fs::write(&path, sealed::<StiffnessRecord>(&record)).unwrap();
     }
     (place, record)
 }
@@ -276,7 +285,7 @@ fn every_form_goes_out() {
     for found in without["references"].as_array_mut().unwrap() {
         found["forms"].as_array_mut().unwrap().retain(|form| form["form"] != "series");
     }
-    std::fs::write(root.join("stiffness.json"), without.to_string()).unwrap();
+    std::fs::write(root.join("stiffness.json"), sealed::<StiffnessRecord>(&without)).unwrap();
     let output =
         railspring(root, &["export", "stiffness.json", "--to", "json", "--law", "series", "-o", "no"]);
     assert!(
@@ -421,12 +430,14 @@ fn what_cannot_be_exported_is_refused() {
     let laws = text(place.path(), "stiffness_by_angle.json");
     let gensys = ["stiffness.json", "--to", "gensys", "--study", "study.toml"];
     let pair = serde_json::from_str::<Value>(&laws).unwrap()["pair"]["hash"].as_str().unwrap().to_string();
-    std::fs::write(place.path().join("stiffness_by_angle.json"), laws.replace(&pair, "another")).unwrap();
+    let other =
+        sealed::<StiffnessByAngleRecord>(&serde_json::from_str(&laws.replace(&pair, "another")).unwrap());
+    std::fs::write(place.path().join("stiffness_by_angle.json"), other).unwrap();
     refused(&gensys, &["stiffness_by_angle.json: pair", "calibrate again"]);
     std::fs::remove_file(place.path().join("stiffness_by_angle.json")).unwrap();
     refused(&gensys, &["stiffness_by_angle.json", "run `railspring calibrate` first"]);
     let mut broken: Value = serde_json::from_str(&text(place.path(), "stiffness.json")).unwrap();
     broken["references"][0]["law"]["range_kn"] = serde_json::json!([150.0, 5.0]);
-    std::fs::write(place.path().join("stiffness.json"), broken.to_string()).unwrap();
+    std::fs::write(place.path().join("stiffness.json"), sealed::<StiffnessRecord>(&broken)).unwrap();
     refused(&["stiffness.json", "--to", "json"], &["stiffness.json: range_kn", "two ascending loads"]);
 }

@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::time::Instant;
 
+use railspring::engine::inputs::Inputs;
 use railspring::engine::output::OutputFolder;
 use railspring::results::bodies::estimate::Resources;
 use railspring::results::bodies::geometry;
@@ -57,7 +58,7 @@ fn off([run, exact]: [&History; 2], force: fn(&HistoryRow) -> f64, until: f64) -
 fn steps_of_a_study_are_worth_half_of_the_solids() {
     const DISCRETISATION: f64 = 0.005;
     let place = tempfile::tempdir().unwrap();
-    let folder = OutputFolder::create(place.path()).unwrap();
+    let folder = OutputFolder::create(place.path(), &Inputs::none()).unwrap();
     let first = parsed((STUDIES[0].0, STUDIES[0].1));
     StudyRun::new(&first, &folder, Resources::of_the_machine(&Silent)).calibrate().unwrap();
     let record = springs::from_file(

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use crate::tables::hollow_wheels;
+use railspring::engine::inputs::Inputs;
 use railspring::engine::output::OutputFolder;
 use railspring::pdf::Printer;
 
@@ -82,7 +83,10 @@ fn pages_pass_in_a_browser() {
 
     // a page that is hardly begun is seen
     write("short.html", "<p>a</p><p style=\"break-before: page\">b</p>");
-    Printer::find().unwrap().print(&OutputFolder::create(place.path()).unwrap(), "short.html").unwrap();
+    Printer::find()
+        .unwrap()
+        .print(&OutputFolder::create(place.path(), &Inputs::none()).unwrap(), "short.html")
+        .unwrap();
     let short = fullness(&path("short.pdf"));
     assert!(short.len() == 2 && short[0] < HALF, "{short:.2?}");
 

@@ -9,6 +9,7 @@ use std::process::Output;
 use std::sync::OnceLock;
 
 use assert_cmd::Command;
+use railspring::engine::inputs::Inputs;
 use railspring::engine::output::OutputFolder;
 use railspring_testing::copy;
 use serde_json::Value;
@@ -295,7 +296,7 @@ fn nothing_touches_is_no_pass() {
 #[test]
 fn one_process_writes_at_a_time() {
     let place = Place::with_results();
-    let folder = OutputFolder::open(&place.out("")).unwrap();
+    let folder = OutputFolder::open(&place.out(""), &Inputs::none()).unwrap();
     let claim = folder.claim().unwrap();
     let refused = place.run(&study(50.0, ""), &["report", "--quiet"]);
     assert_eq!(refused.status.code(), Some(2), "{}", message(&refused));

@@ -5,6 +5,7 @@
 
 use std::path::Path;
 
+use railspring::engine::inputs::Inputs;
 use railspring::engine::output::OutputFolder;
 use railspring::results::bodies::estimate::Resources;
 use railspring::results::study_run::StudyRun;
@@ -36,7 +37,7 @@ struct Finished {
 fn run(keys: &str) -> Finished {
     let study = study(keys);
     let place = tempfile::tempdir().unwrap();
-    let folder = OutputFolder::create(place.path()).unwrap();
+    let folder = OutputFolder::create(place.path(), &Inputs::none()).unwrap();
     let pipeline = StudyRun::new(&study, &folder, Resources::of_the_machine(&Silent));
     pipeline.run().unwrap_or_else(|e| panic!("{e}"));
     let read = |name: &str| std::fs::read_to_string(place.path().join(name)).unwrap();

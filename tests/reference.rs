@@ -9,6 +9,7 @@ use std::process::Command;
 use std::sync::{Mutex, OnceLock};
 
 use nalgebra::Vector3;
+use railspring::engine::inputs::Inputs;
 use railspring::engine::output::OutputFolder;
 use railspring::python::{Purpose, Python};
 use railspring::results::bodies::estimate::Resources;
@@ -61,7 +62,7 @@ fn compared(exchange: &Exchange) -> Vec<Check> {
 
 fn compared_for(prepared: &Prepared, exchange: &Exchange) -> Vec<Check> {
     let root = tempfile::tempdir().unwrap();
-    let folder = OutputFolder::create(&root.path().join("exchange")).unwrap();
+    let folder = OutputFolder::create(&root.path().join("exchange"), &Inputs::none()).unwrap();
     exchange.write(&folder).unwrap_or_else(|e| panic!("{e}"));
     python().run(folder.path(), &Silent).unwrap_or_else(|e| panic!("{e}"));
     let reference = ReferenceResult::read(&folder).unwrap_or_else(|e| panic!("{e}"));

@@ -43,7 +43,7 @@ fn the_fine_grid_agrees_with_elements_of_second_order() {
 
     let geometry = geometry::geometry(study.statics()).unwrap();
     let options = zones::mesh_options(study.statics(), &geometry);
-    let meshes = meshes::meshes(study.statics(), &geometry, options, None, &Silent).unwrap();
+    let meshes = meshes::meshes(study.statics(), &geometry, options, (None, None), &Silent).unwrap();
     let solids = solids::solids(study.statics(), &geometry, &meshes);
     let condense = |body| solids.condense(body, solids.key(body)).unwrap();
     let (rail, wheel) = rayon::join(|| condense(PairBody::RailOnEnds), || condense(PairBody::Wheel));

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use railspring::engine::inputs::Inputs;
 use railspring::engine::list as results;
 use railspring::engine::output::OutputFolder;
 use railspring::results::bodies::estimate::Resources;
@@ -53,7 +54,7 @@ impl Solved {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("data/studies/{name}.toml"));
         let study = Study::read(&path).unwrap_or_else(|e| panic!("{name}: {e}"));
         let place = tempfile::tempdir().unwrap();
-        let folder = OutputFolder::create(place.path()).unwrap();
+        let folder = OutputFolder::create(place.path(), &Inputs::none()).unwrap();
         StudyRun::new(&study, &folder, Resources::of_the_machine(&Silent))
             .run()
             .unwrap_or_else(|e| panic!("{name}: {e}"));

@@ -8,6 +8,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
+use railspring::engine::inputs::Inputs;
 use railspring::engine::output::OutputFolder;
 use railspring::python::{package_hash, package_hash_in_time};
 use railspring::results::bodies::estimate::Resources;
@@ -47,8 +48,9 @@ fn now(study: &Study) -> Vec<ToolCurve> {
     let input = CrosscheckInput::of(study);
     let statics = input.statics();
     let geometry = geometry::geometry(statics).unwrap_or_else(|e| panic!("{e}"));
-    let meshes = meshes::meshes(statics, &geometry, zones::mesh_options(statics, &geometry), None, &Silent)
-        .unwrap_or_else(|e| panic!("{e}"));
+    let meshes =
+        meshes::meshes(statics, &geometry, zones::mesh_options(statics, &geometry), (None, None), &Silent)
+            .unwrap_or_else(|e| panic!("{e}"));
     tool_curves(&answers::answers(statics, &geometry, &meshes, &Silent).unwrap_or_else(|e| panic!("{e}")))
 }
 
@@ -57,8 +59,9 @@ fn in_time_now(study: &Study) -> ToolRuns {
     let input = InTimeInput::of(study).unwrap_or_else(|e| panic!("{e}"));
     let statics = input.statics();
     let geometry = geometry::geometry(statics).unwrap_or_else(|e| panic!("{e}"));
-    let meshes = meshes::meshes(statics, &geometry, zones::mesh_options(statics, &geometry), None, &Silent)
-        .unwrap_or_else(|e| panic!("{e}"));
+    let meshes =
+        meshes::meshes(statics, &geometry, zones::mesh_options(statics, &geometry), (None, None), &Silent)
+            .unwrap_or_else(|e| panic!("{e}"));
     tool::runs(&input, &geometry, &meshes, &Silent).unwrap_or_else(|e| panic!("{e}"))
 }
 
@@ -268,7 +271,7 @@ fn report_and_page_belong_together() {
     assert_eq!(page.matches("<figure id=").count(), 5, "three curves and two bodies");
     assert_eq!(report.matches("<figure id=").count(), made.report_before.matches("<figure id=").count() + 5);
 
-    let other = OutputFolder::create(&made.out.with_file_name("alone")).unwrap();
+    let other = OutputFolder::create(&made.out.with_file_name("alone"), &Inputs::none()).unwrap();
     let study = Study::read(&made.study).unwrap_or_else(|e| panic!("{e}"));
     other.write("crosscheck.json", made.page("crosscheck.json").as_bytes()).unwrap();
     assert!(!StudyRun::new(&study, &other, Resources::of_the_machine(&Silent)).crosscheck_pages().unwrap());

@@ -1,17 +1,24 @@
 //! Reading the files that a user names.
 //!
 //! A device or a pipe never ends or never begins; a file larger than anything that could be meant fills the memory.
-//! Both are refused before they are read.
+//! Both are refused before they are read, and so is what the system makes up under `/proc` and `/sys`: it calls itself a file, and may never end.
 
 use std::fs::File;
 use std::io::{Error, ErrorKind, Read, Result};
 use std::path::Path;
+
+/// Folders of what the system makes up, on Linux.
+const OF_THE_SYSTEM: [&str; 2] = ["/proc", "/sys"];
 
 /// Opens a regular file of at most `most` bytes.
 ///
 /// # Errors
 /// What the system says; a folder, a device, a pipe or a socket; a file that is larger.
 pub fn open(path: &Path, most: u64) -> Result<File> {
+    let place = path.canonicalize()?;
+    if cfg!(target_os = "linux") && OF_THE_SYSTEM.iter().any(|folder| place.starts_with(folder)) {
+        return Err(Error::new(ErrorKind::InvalidInput, "it is made up by the system, not a file of a user"));
+    }
     // Before it is opened: opening a pipe waits for somebody who writes.
     check(&std::fs::metadata(path)?, most)?;
     let file = File::open(path)?;
@@ -70,6 +77,14 @@ mod tests {
         assert_eq!(said(&folder, 1 << 20), "it is a folder, not a file");
         #[cfg(unix)]
         assert_eq!(said(Path::new("/dev/zero"), 1 << 20), "it is a device, a pipe or a socket, not a file");
+        #[cfg(target_os = "linux")]
+        for file in ["/proc/kmsg", "/proc/self/status", "/sys/kernel/notes"] {
+            let refused = said(Path::new(file), 1 << 20);
+            assert!(
+                refused.contains("made up by the system") || refused.contains("os error 2"),
+                "{file}: {refused}"
+            );
+        }
         std::fs::write(&path, [0xff, b'a']).unwrap();
         assert_eq!(read_text(&path, 10).unwrap_err().to_string(), "the file is not text in UTF-8");
         std::fs::remove_dir_all(&folder).unwrap();

@@ -46,8 +46,8 @@ pub(super) struct Folder {
 }
 
 impl Folder {
-    fn path(&self) -> PathBuf {
-        self.cache.clone().unwrap_or_else(default_folder)
+    fn path(&self) -> Result<PathBuf> {
+        self.cache.clone().map_or_else(default_folder, Ok)
     }
 }
 
@@ -57,7 +57,7 @@ impl Folder {
 /// A folder that cannot be used, and entries that cannot be removed.
 pub(super) fn run(command: &CacheCommand) -> Result<()> {
     let (CacheCommand::List(folder) | CacheCommand::Prune { folder, .. }) = command;
-    let path = folder.path();
+    let path = folder.path()?;
     if !path.is_dir() {
         // Nothing was kept yet, and nothing is made for looking at it.
         return say(&format!("no entries: {} does not exist", path.display()));

@@ -3,14 +3,17 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use railspring_profiles::error::InputError;
 use serde_json::json;
 
 use super::failure::Failure;
+use super::output::remark;
 use super::pdf_args::PdfArgs;
 use super::results::Results;
 use crate::compare::{Comparison, Side, compare, page};
+use crate::engine::inputs::Inputs;
 use crate::engine::output::OutputFolder;
+use crate::pdf::Printer;
+use crate::results::files::RESULT_FILES;
 
 /// Most values of a group that are printed.
 const LISTED: usize = 10;
@@ -43,21 +46,30 @@ pub(super) struct CompareArgs {
 /// Results that cannot be read or have nothing in common, and a page that cannot be written.
 pub(super) fn run(args: &CompareArgs) -> Result<(), Failure> {
     let printer = args.pdf.printer()?;
-    let Some(name) = args.output.file_name().and_then(|name| name.to_str()).filter(|_| !args.output.is_dir())
-    else {
-        let expected = "the name of a page, such as compare.html";
-        return Err(InputError::new("-o", args.output.display(), expected, "name a file").into());
-    };
+    let inputs = Inputs::of([&args.a, &args.b].into_iter().flat_map(|side| result_files(side)));
+    let (folder, name) = OutputFolder::of_file("-o", &args.output, &inputs)?;
     let sides = [Side::read(&args.a)?, Side::read(&args.b)?];
     let found = compare(&sides[0], &sides[1])?;
-    let parent = args.output.parent().filter(|parent| !parent.as_os_str().is_empty());
-    let folder = OutputFolder::create(parent.unwrap_or(Path::new(".")))?;
-    folder.write(name, page(&sides[0], &sides[1], &found).as_bytes())?;
+    folder.write(&name, page(&sides[0], &sides[1], &found).as_bytes())?;
     if let Some(printer) = printer {
-        printer.print(&folder, name)?;
+        Printer::remark().filter(|_| !args.quiet).iter().for_each(|line| remark(line));
+        printer.print(&folder, &name)?;
     }
     let results = Results::of("compare").with_more(text(&found), json!(found));
     Ok(results.at(&args.output).print(args.json, args.quiet)?)
+}
+
+/// The files of a result that are compared: the file, or those of a folder that a command of this program writes.
+fn result_files(side: &Path) -> Vec<PathBuf> {
+    if side.is_file() {
+        return vec![side.to_path_buf()];
+    }
+    let files = std::fs::read_dir(side).into_iter().flatten().flatten().map(|entry| entry.path());
+    let is_result = |path: &PathBuf| {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        RESULT_FILES.iter().any(|file| file.matches(&name))
+    };
+    files.filter(is_result).collect()
 }
 
 /// The comparison for a reader: who, the numbers in columns, what differs.

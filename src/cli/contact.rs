@@ -4,7 +4,7 @@ mod parameters;
 mod picture;
 
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use railspring_profiles::error::{Error, InputError};
@@ -21,6 +21,7 @@ use super::output::{remark, say};
 use super::pair_args::{Given, Named, by_option, named};
 use super::set_args::{SetArgs, setting};
 use super::shapes::write;
+use crate::engine::inputs::Inputs;
 use crate::results::bodies::geometry::geometry;
 use crate::results::bodies::sections::repairs;
 use crate::study::{Setting, Study};
@@ -79,9 +80,9 @@ pub(super) struct ContactArgs {
 }
 
 impl ContactArgs {
-    /// Both sides; says what was done to measured profiles.
-    fn wheelset(&self) -> Result<Wheelset, Failure> {
-        let (right, tape_y) = match self.pair.as_slice() {
+    /// Both sides, and the files that they are read from; says what was done to measured profiles.
+    fn wheelset(&self) -> Result<(Wheelset, Inputs), Failure> {
+        let Side { side: right, tape_y, mut files } = match self.pair.as_slice() {
             [wheel, rail] => self.named_side(wheel, rail, self.set.settings(), "--set")?,
             _ => side_of(&Study::read_with(self.pair[0].as_ref(), self.set.settings())?)?,
         };
@@ -96,11 +97,13 @@ impl ContactArgs {
                 }
                 let of_track = self.set.settings().iter().filter(|set| !of_side(set));
                 let settings: Vec<Setting> = of_track.chain(&self.set_left).cloned().collect();
-                self.named_side(wheel, rail, &settings, "--set-left")?.0
+                let left = self.named_side(wheel, rail, &settings, "--set-left")?;
+                files.extend(left.files);
+                left.side
             }
             _ => right.clone(),
         };
-        Ok(Wheelset { left, right, tape_y })
+        Ok((Wheelset { left, right, tape_y }, Inputs::of(files)))
     }
 
     /// The uncertainty of the profiles, if one is given.
@@ -127,14 +130,8 @@ impl ContactArgs {
         }))
     }
 
-    /// A side from names or files with these settings, which `option` gives, and the distance of its tape circle from the middle of the track, m.
-    fn named_side(
-        &self,
-        wheel: &str,
-        rail: &str,
-        given: &[Setting],
-        of: &str,
-    ) -> Result<(WheelOnRail, f64), Failure> {
+    /// A side from names or files with these settings, which `option` gives.
+    fn named_side(&self, wheel: &str, rail: &str, given: &[Setting], of: &str) -> Result<Side, Failure> {
         if !(100.0..=1000.0).contains(&self.radius_mm) {
             let expected = "100 to 1000 mm";
             return Err(InputError::new("--radius-mm", self.radius_mm, expected, "check its unit").into());
@@ -152,8 +149,17 @@ impl ContactArgs {
     }
 }
 
-/// The side of a study with the wheelset in the middle, and the distance of its tape circle from there, m.
-fn side_of(study: &Study) -> Result<(WheelOnRail, f64), Failure> {
+/// A side of a wheelset.
+struct Side {
+    side: WheelOnRail,
+    /// Distance of its tape circle from the middle of the track, m.
+    tape_y: f64,
+    /// What it is read from.
+    files: Vec<PathBuf>,
+}
+
+/// The side of a study with the wheelset in the middle.
+fn side_of(study: &Study) -> Result<Side, Failure> {
     let found = geometry(study.statics()).map_err(|error| Failure::of_stage(study, error))?;
     repairs(&found.profiles).iter().for_each(|line| remark(line));
     let side = WheelOnRail {
@@ -161,7 +167,8 @@ fn side_of(study: &Study) -> Result<(WheelOnRail, f64), Failure> {
         wheel: found.pair.wheel.running,
         radius: found.pair.wheel.radius,
     };
-    Ok((side, found.pair.tape_y - study.track.lateral_shift))
+    let files = study.source.files().map(Path::to_path_buf).collect();
+    Ok(Side { side, tape_y: found.pair.tape_y - study.track.lateral_shift, files })
 }
 
 /// The contacts of a wheelset at each lateral shift, m.
@@ -173,7 +180,14 @@ pub(super) fn contact(args: &ContactArgs) -> Result<(), Failure> {
     if let Some(curve) = args.curve_m.filter(|curve| !(10.0..=1e5).contains(curve)) {
         return Err(InputError::new("--curve-m", curve, "10 to 100000 m", "check its unit").into());
     }
-    let wheelset = args.wheelset()?;
+    let prefix = args.output.with_extension("");
+    let file = |ending: &str| {
+        let mut name = prefix.clone().into_os_string();
+        name.push(ending);
+        PathBuf::from(name)
+    };
+    let (wheelset, inputs) = args.wheelset()?;
+    [".csv", "-conicity.csv", ".json", ".svg"].iter().try_for_each(|ending| inputs.check(&file(ending)))?;
     let rows = contacts(args, &wheelset, args.shift_mm, args.step_mm)?;
     let functions = ContactFunctions::from_contacts(&wheelset, &rows)?;
     let found = found(args, uncertainty, &wheelset, &functions)?;
@@ -194,19 +208,13 @@ pub(super) fn contact(args: &ContactArgs) -> Result<(), Failure> {
         })?,
     }
     found.lines().iter().try_for_each(|line| say(line))?;
-    let prefix = args.output.with_extension("");
-    let file = |ending: &str| {
-        let mut name = prefix.clone().into_os_string();
-        name.push(ending);
-        PathBuf::from(name)
-    };
     for (file, content) in [
         (file(".csv"), csv(&wheelset, &rows)),
         (file("-conicity.csv"), found.csv()),
         (file(".json"), json(&found.record(&functions))),
         (file(".svg"), picture(&wheelset, &rows, &functions, &found)),
     ] {
-        write(&file, &content)?;
+        write(&file, &content, &inputs)?;
         say(&file.display().to_string())?;
     }
     Ok(())

@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use railspring_element::element::Element;
-use railspring_profiles::error::{Error, InputError};
+use railspring_profiles::error::Error;
 use serde_json::Value;
 
+use crate::engine::inputs::Inputs;
 use crate::engine::output::OutputFolder;
 use crate::export::{c_files, element, functional_mock_up_unit};
 use crate::results::by_angle::record::StiffnessByAngleRecord;
@@ -40,15 +41,28 @@ enum Kind {
 }
 
 impl ElementFiles {
+    /// Refuses files that are inputs, before anything is made.
+    ///
+    /// # Errors
+    /// Those of [`Inputs::check`], and of a program without the library for C.
+    pub fn check(&self, inputs: &Inputs) -> Result<(), Error> {
+        [&self.file].into_iter().chain(&self.fmu).try_for_each(|file| inputs.check(file))?;
+        match &self.c {
+            Some(folder) => c_files()?.iter().try_for_each(|(name, _)| inputs.check(&folder.join(name))),
+            None => Ok(()),
+        }
+    }
+
     /// Writes the files; what is said of them.
     ///
     /// # Errors
-    /// Those of the element, and a folder that cannot be written.
+    /// Those of the element, a folder that cannot be written, and a file that is one of the `inputs`.
     pub fn write(
         &self,
         study: &Study,
         found: &Found,
         laws: &StiffnessByAngleRecord,
+        inputs: &Inputs,
     ) -> Result<(Vec<String>, Value), Error> {
         let kind = match self.kind {
             Kind::Condensed => ContactElementKey::Condensed,
@@ -57,6 +71,10 @@ impl ElementFiles {
         let Some(stiffness) = &found.stiffness else { return Ok((Vec::new(), Value::Null)) };
         let element = element(study, stiffness, laws, kind)?;
         let mut said = vec![said(&element)];
+        let write = |option: &str, path: &Path, bytes: &[u8]| {
+            let (folder, name) = OutputFolder::of_file(option, path, inputs)?;
+            folder.write(&name, bytes)
+        };
         write("-o", &self.file, &element.write())?;
         if let Some(file) = &self.fmu {
             write("--fmu", file, &functional_mock_up_unit(&element)?)?;
@@ -88,18 +106,4 @@ fn said(element: &Element) -> String {
         1e-3 * about.largest_force_n,
         100.0 * about.strips_max_rel_error
     )
-}
-
-/// Writes a file whole or not at all.
-fn write(option: &str, path: &Path, bytes: &[u8]) -> Result<(), Error> {
-    let refused = |expected: &str| {
-        InputError::new(option, path.display(), expected, "name a file in a folder that can be written")
-    };
-    let name =
-        path.file_name().and_then(|name| name.to_str()).ok_or_else(|| refused("the name of a file"))?;
-    if path.is_dir() {
-        return Err(refused("the name of a file, not a folder").into());
-    }
-    let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty());
-    OutputFolder::create(folder.unwrap_or(Path::new(".")))?.write(name, bytes)
 }

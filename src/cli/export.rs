@@ -4,21 +4,26 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use railspring_profiles::error::{Error, InputError};
+use railspring_profiles::input;
 
 use super::failure::Failure;
 use super::output::{remark, say};
 use super::set_args::SetArgs;
+use crate::engine::inputs::Inputs;
 use crate::engine::output::OutputFolder;
 use crate::export::{
-    Condition, ExportFile, ExportRow, Format, LawForm, LumpedContact, SpringsFile, Wanted, index,
-    of_calibration, rows,
+    Condition, ExportFile, ExportRow, Format, INDEX_BEGIN, LawForm, LumpedContact, SpringsFile, Wanted,
+    index, of_calibration, rows,
 };
+use crate::results::by_angle::record::BY_ANGLE;
 use crate::results::springs::record::StiffnessRecord;
 use crate::study::Study;
 use crate::table::{Table, TableRecord};
 
 /// What has become of the rows of a table.
 const INDEX: &str = "rows.csv";
+/// Largest list of an earlier export, bytes.
+const LARGEST_LIST: u64 = 1 << 30;
 
 /// What is exported, and to where.
 #[derive(Debug, Args)]
@@ -59,6 +64,13 @@ impl ExportArgs {
     fn wanted(&self) -> Wanted<'_> {
         let Self { format, law, contact, .. } = *self;
         Wanted { format, law, contact, reference: self.reference.as_deref(), case: self.case.as_deref() }
+    }
+
+    /// The files that are read: the springs with the laws beside them, and those of the study or the table.
+    fn inputs<'p>(&self, of_source: impl Iterator<Item = &'p Path>) -> Inputs {
+        let beside = self.file.with_file_name(BY_ANGLE);
+        let own = [self.file.clone(), beside];
+        Inputs::of(own.into_iter().chain(of_source.map(Path::to_path_buf)))
     }
 }
 
@@ -101,17 +113,19 @@ fn of_study(args: &ExportArgs, record: &StiffnessRecord) -> Result<bool, Failure
     let set = args.set.settings();
     let study = args.study.as_deref().map(|study| Study::read_with(study, set)).transpose()?;
     let files = of_calibration(&args.file, record, args.wanted(), study.as_ref())?;
-    Ok(write(&files, args.output.as_deref()).map(|()| true)?)
+    let inputs = args.inputs(study.iter().flat_map(|study| study.source.files()));
+    Ok(write(&files, args.output.as_deref(), &inputs).map(|()| true)?)
 }
 
 fn of_table(args: &ExportArgs, table: &TableRecord<'static>) -> Result<bool, Failure> {
     let file = args.file.display().to_string();
     let rows = rows(&file, table, &args.conditions)?;
     let source = args.study.as_deref().map(Table::read).transpose()?;
+    let inputs = args.inputs(source.iter().flat_map(|source| source.files.iter().map(PathBuf::as_path)));
     let files =
         |row: &ExportRow<'_>| row.files(args.format, args.reference.as_deref(), args.law, source.as_ref());
     if let [row] = &rows[..] {
-        return Ok(write(&files(row)?, args.output.as_deref()).map(|()| true)?);
+        return Ok(write(&files(row)?, args.output.as_deref(), &inputs).map(|()| true)?);
     }
     let Some(output) = &args.output else {
         let expected = format!("a folder for {} rows", rows.len());
@@ -124,7 +138,7 @@ fn of_table(args: &ExportArgs, table: &TableRecord<'static>) -> Result<bool, Fai
             Ok(files) => {
                 let folder = match &folder {
                     Some(folder) => folder,
-                    None => folder.insert(opened(output)?),
+                    None => folder.insert(opened(output, &inputs)?),
                 };
                 for file in &files {
                     folder.write(&format!("{}/{}", row.folder(), file.name), file.text.as_bytes())?;
@@ -153,14 +167,28 @@ fn of_table(args: &ExportArgs, table: &TableRecord<'static>) -> Result<bool, Fai
     Ok(without == 0)
 }
 
-/// The folder of several rows, without the list of an earlier export: the list is written last, of what is there then.
-fn opened(output: &Path) -> Result<OutputFolder, Error> {
-    let folder = OutputFolder::create(output)?;
+/// The folder of several rows, without the list of an earlier export: the list is written last, of what is there then. A file of that name
+/// which is no such list stays, and the export is refused.
+fn opened(output: &Path, inputs: &Inputs) -> Result<OutputFolder, Error> {
+    let folder = OutputFolder::create(output, inputs)?;
+    let list = folder.file(INDEX);
+    if list.exists()
+        && !input::read(&list, LARGEST_LIST).is_ok_and(|text| text.starts_with(INDEX_BEGIN.as_bytes()))
+    {
+        let expected = "no file of this name, or the list of an earlier export, which is replaced";
+        return Err(InputError::new(
+            list.display().to_string(),
+            "another file",
+            expected,
+            "name another folder with -o, or move the file",
+        )
+        .into());
+    }
     folder.remove(INDEX)?;
     Ok(folder)
 }
 
-fn write(files: &[ExportFile], output: Option<&Path>) -> Result<(), Error> {
+fn write(files: &[ExportFile], output: Option<&Path>, inputs: &Inputs) -> Result<(), Error> {
     let output = output.unwrap_or(Path::new("."));
     let named = match (files, output.file_name()) {
         ([_], Some(name)) if !output.is_dir() && output.extension().is_some() => name.to_str(),
@@ -178,7 +206,7 @@ fn write(files: &[ExportFile], output: Option<&Path>) -> Result<(), Error> {
         let expected = format!("a folder: there are {} files, {}", files.len(), names.join(", "));
         return Err(InputError::new("-o", output.display(), expected, "name a folder").into());
     }
-    let folder = OutputFolder::create(folder)?;
+    let folder = OutputFolder::create(folder, inputs)?;
     for file in files {
         let name = named.unwrap_or(&file.name);
         folder.write(name, file.text.as_bytes())?;

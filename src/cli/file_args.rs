@@ -11,6 +11,8 @@ use railspring_profiles::profile_file::{
 };
 use railspring_profiles::units::MILLIMETRE;
 
+use crate::engine::inputs::Inputs;
+
 /// A profile file and what is known about it.
 #[derive(Debug, Args)]
 pub(super) struct FileArgs {
@@ -109,6 +111,11 @@ impl FileArgs {
             part: self.part.clone(),
             tape_circle: self.tape_circle_mm.map(|mm| mm * MILLIMETRE),
         }
+    }
+
+    /// The files that are read: the profile, of a list of slices with all of them.
+    pub fn inputs(&self) -> Inputs {
+        Inputs::of([&self.file])
     }
 
     pub fn read(&self) -> Result<MeasuredProfile, Error> {

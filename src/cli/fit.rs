@@ -13,6 +13,7 @@ use super::results::Results;
 use super::set_args::SetArgs;
 use super::staged::{Action, RunArgs, done};
 use super::work_args::WorkArgs;
+use crate::engine::inputs::Inputs;
 use crate::engine::output::{OutputFolder, TEMPORARY, readable_by_all};
 use crate::hash::key;
 use crate::study::Study;
@@ -107,7 +108,7 @@ pub(super) fn new(args: &NewArgs) -> Result<(), Failure> {
         named(Some(&name), pair, args.set.settings()).map_err(|failure| by_option(failure, "--set"))?;
     let text = pair.study(&file, true, args.set.settings());
     let here = Some(folder).filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let folder = OutputFolder::create(here)?;
+    let folder = OutputFolder::create(here, &Inputs::none())?;
     // the file is read as `railspring run` will read it, from a folder that is there
     let written = Study::parse(&file, &text)?;
     debug_assert_eq!(key(&written.statics()), key(&study.statics()));

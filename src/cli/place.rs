@@ -52,6 +52,12 @@ pub(super) struct PlaceArgs {
 
 /// Runs the subcommand; whether the place is determined and nothing else is left to be looked at.
 pub(super) fn place(args: &PlaceArgs) -> Result<bool, Failure> {
+    let inputs = args.file.inputs();
+    let file = |ending: &str| {
+        let stem = args.file.file.file_stem().unwrap_or_default().to_string_lossy();
+        args.output.join(format!("{stem}-placed.{ending}"))
+    };
+    ["csv", "svg"].iter().try_for_each(|ending| inputs.check(&file(ending)))?;
     let options = args.file.options();
     let place_options = PlaceOptions { side_known: options.mirror_y.is_some() };
     let (profile, reference) = match &args.standard {
@@ -71,19 +77,11 @@ pub(super) fn place(args: &PlaceArgs) -> Result<bool, Failure> {
     for line in worn(&placed, &prepared, &reference)? {
         say(&line)?;
     }
-    std::fs::create_dir_all(&args.output).map_err(|cause| {
-        let place = args.output.display().to_string();
-        InputError::new("--output", place, format!("a folder ({cause})"), "choose another place")
-    })?;
-    let file = |ending: &str| {
-        let stem = args.file.file.file_stem().unwrap_or_default().to_string_lossy();
-        args.output.join(format!("{stem}-placed.{ending}"))
-    };
     let source = args.file.file.file_name().unwrap_or_default().to_string_lossy();
     let (points, _) = args.file.points(&moved)?;
     let comment = format!("{source} placed on {}", reference.name);
-    write(&file("csv"), &profile_text(ProfileFormat::Csv, moved.kind, &points, &comment))?;
-    write(&file("svg"), &picture(&source, &moved, &prepared, &placed, &reference)?)?;
+    write(&file("csv"), &profile_text(ProfileFormat::Csv, moved.kind, &points, &comment), &inputs)?;
+    write(&file("svg"), &picture(&source, &moved, &prepared, &placed, &reference)?, &inputs)?;
     say(&format!("{}\n{}", file("csv").display(), file("svg").display()))?;
     Ok(prepared.findings.iter().all(|finding| finding.action != Action::Left))
 }

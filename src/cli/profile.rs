@@ -18,6 +18,7 @@ use super::file_args::{FileArgs, with_options};
 use super::output::say;
 use super::place::{PlaceArgs, place};
 use super::shapes;
+use crate::engine::inputs::Inputs;
 
 /// What can be done with a profile.
 #[derive(Debug, Subcommand)]
@@ -114,10 +115,11 @@ fn section(file: &FileArgs, figure: Option<&Path>) -> Result<bool, Error> {
         .options()
         .kind
         .ok_or_else(|| InputError::new("--kind", "(missing)", "rail or wheel", "say whose section it is"))?;
+    let inputs = checked_inputs(file, figure)?;
     let content = input::read(&file.file, LARGEST_FILE)
         .map_err(|cause| InputError::new(&name, cause, "a readable file of a section", "check the path"))?;
     let (sketch, section) = sketch_section(&name, &content, kind, file.options().tape_circle);
-    draw(&name, &sketch, figure)?;
+    draw(&name, &sketch, figure, &inputs)?;
     let mut section = section.map_err(|error| with_nearest_to(&sketch, kind, error))?;
     say_nearest(&mut section);
     let count = section.count;
@@ -131,25 +133,33 @@ fn section(file: &FileArgs, figure: Option<&Path>) -> Result<bool, Error> {
 }
 
 /// Writes the figure of a line as it is drawn, if it is wanted and there is one.
-fn draw(name: &str, sketch: &Sketch, figure: Option<&Path>) -> Result<(), Error> {
+fn draw(name: &str, sketch: &Sketch, figure: Option<&Path>, inputs: &Inputs) -> Result<(), Error> {
     match figure.filter(|_| !sketch.strokes.is_empty()) {
         Some(figure) => {
-            shapes::write(figure, &shapes::sketched(name, sketch))?;
+            shapes::write(figure, &shapes::sketched(name, sketch), inputs)?;
             say(&figure.display().to_string())
         }
         None => Ok(()),
     }
 }
 
+/// The files that are read, none of which is the file that is to be written.
+fn checked_inputs(file: &FileArgs, output: Option<&Path>) -> Result<Inputs, Error> {
+    let inputs = file.inputs();
+    output.map_or(Ok(()), |output| inputs.check(output))?;
+    Ok(inputs)
+}
+
 fn check(file: &FileArgs, figure: Option<&Path>) -> Result<bool, Error> {
+    let inputs = checked_inputs(file, figure)?;
     let (sketch, profile) = read_sketched(&file.file, &file.options());
     if profile.is_err() {
-        draw(&file.file.display().to_string(), &sketch, figure)?;
+        draw(&file.file.display().to_string(), &sketch, figure, &inputs)?;
     }
     let profile = profile?;
     let prepared = file.prepare(&profile)?;
     if let Some(figure) = figure {
-        shapes::write(figure, &shapes::checked(&profile, &prepared))?;
+        shapes::write(figure, &shapes::checked(&profile, &prepared), &inputs)?;
     }
     say_profile(&profile, &prepared)?;
     for finding in &prepared.findings {
@@ -179,6 +189,7 @@ fn say_profile(profile: &MeasuredProfile, prepared: &Prepared) -> Result<(), Err
 }
 
 fn convert(file: &FileArgs, out: &Path, raw: bool) -> Result<bool, Error> {
+    let inputs = checked_inputs(file, Some(out))?;
     let (format, kind) = format_of_ending(out)?;
     let profile = file.read()?;
     if let Some(kind) = kind.filter(|kind| *kind != profile.kind) {
@@ -193,7 +204,8 @@ fn convert(file: &FileArgs, out: &Path, raw: bool) -> Result<bool, Error> {
     let (points, findings) =
         if raw { (profile.points.clone(), profile.findings.clone()) } else { file.points(&profile)? };
     let source = file.file.file_name().unwrap_or_default().to_string_lossy();
-    shapes::write(out, &write(format, profile.kind, &points, &format!("converted from {source}")))?;
+    let text = write(format, profile.kind, &points, &format!("converted from {source}"));
+    shapes::write(out, &text, &inputs)?;
     findings.iter().try_for_each(|finding| say(&finding.to_string()))?;
     Ok(findings.iter().all(|finding| finding.action != Action::Left))
 }

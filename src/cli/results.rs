@@ -243,6 +243,9 @@ impl Springs {
         let ends = horizontal.and_then(|h| Some((h.points.first()?, h.points.last()?)));
         let missing =
             stiffness.horizontal_missing.iter().map(|why| format!("no horizontal stiffness: {why}"));
+        let unsure = stiffness.findings_left().into_iter().map(|left| format!("no sure surface: {left}"));
+        // the bands name them already
+        let left = unsure.filter(|_| stiffness.error_band.is_none());
         let unbanded = stiffness.error_band.iter().flat_map(|band| &band.missing);
         let unbanded = unbanded.map(|part| format!("no error band: {part}"));
         let band = stiffness.error_band.as_ref().map(|band| band.of(&stiffness.reference));
@@ -259,7 +262,7 @@ impl Springs {
             }),
             assumed: stiffness.assumed.clone(),
             input_uncertainty: stiffness.input_uncertainty.clone(),
-            missing: stiffness.shortened().into_iter().chain(missing).chain(unbanded).collect(),
+            missing: stiffness.shortened().into_iter().chain(missing).chain(unbanded).chain(left).collect(),
         }
     }
 

@@ -5,19 +5,22 @@ use std::path::Path;
 use nalgebra::Point2;
 use railspring_calibrate::section_analysis::rail_properties;
 use railspring_profiles::error::{Error, InputError};
+use railspring_profiles::input;
 use railspring_profiles::profile::ProfileCurve;
 use railspring_profiles::profile::lines_and_arcs::LinesAndArcs;
 use railspring_profiles::profile::rail_catalogue::CATALOGUE_RAILS;
 use railspring_profiles::profile::rails::{RAIL_NAMES, STANDARD_RAILS};
 use railspring_profiles::profile::wheels::{STANDARD_WHEELS, WHEEL_NAMES, wheel_profile};
 use railspring_profiles::profile_file::{
-    Action, MeasuredProfile, PrepareOptions, Prepared, ReadOptions, Sketch, prepare, read,
+    Action, LARGEST_FILE, MeasuredProfile, PrepareOptions, Prepared, ProfileKind, ReadOptions, Sketch,
+    prepare, read, sketch_section,
 };
 use railspring_profiles::section::{rail_section, rail_section_of};
 use railspring_profiles::units::MILLIMETRE;
 
 use super::findings::{Listed, Mark, marked};
 use super::output::{remark, say};
+use crate::engine::inputs::Inputs;
 use crate::engine::output::OutputFolder;
 use crate::report::catalogue::{Shape, catalogue};
 use crate::report::panel::{Panel, stacked_with_notes};
@@ -53,7 +56,7 @@ pub(super) fn list(figure: Option<&Path>) -> Result<(), Error> {
         "wheel bodies   straight-web, s-web, conical-web: generic, with bore, hub and rim to be set in a study",
     )?;
     match figure {
-        Some(path) => write(path, &every_standard()?),
+        Some(path) => write(path, &every_standard()?, &Inputs::none()),
         None => Ok(()),
     }
 }
@@ -135,6 +138,12 @@ pub(super) fn show(profile: &str) -> Result<(), Error> {
         None => {
             let (measured, prepared) = measured(profile)?;
             let outline = measured.drawn.as_ref().and_then(LinesAndArcs::rail_outline);
+            if outline.is_some() {
+                // what a section has to be, before its numbers are looked for
+                let content = input::read(profile.as_ref(), LARGEST_FILE)
+                    .map_err(|cause| InputError::new(profile, cause, "a readable file", "check the path"))?;
+                sketch_section(profile, &content, ProfileKind::Rail, None).1?;
+            }
             (prepared.curve, outline.map(|outline| rail_section_of(profile, outline)))
         }
     };
@@ -194,6 +203,8 @@ const STYLES: [(plotters::style::RGBColor, Dash); 4] =
 /// Draws profiles over each other, and their curvature below; the findings of files are marked where they are and
 /// listed at the bottom.
 pub(super) fn plot(profiles: &[String], output: &Path) -> Result<(), Error> {
+    let inputs = Inputs::of(profiles);
+    inputs.check(output)?;
     let mut listed = Listed::default();
     let mut curves = Vec::new();
     for profile in profiles {
@@ -207,7 +218,7 @@ pub(super) fn plot(profiles: &[String], output: &Path) -> Result<(), Error> {
         };
         curves.push((profile.clone(), curve, marks));
     }
-    write(output, &figure(curves, &listed))?;
+    write(output, &figure(curves, &listed), &inputs)?;
     say(&output.display().to_string())
 }
 
@@ -289,12 +300,8 @@ fn figure(curves: Vec<(String, ProfileCurve, Vec<Mark>)>, listed: &Listed) -> St
     stacked_with_notes(760, 320, &panels, &listed.notes)
 }
 
-/// Writes a file; one of that name is replaced only when the new one is complete.
-pub(super) fn write(path: &Path, text: &str) -> Result<(), Error> {
-    let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let Some(name) = path.file_name().map(|name| name.to_string_lossy()) else {
-        let place = path.display().to_string();
-        return Err(InputError::new("output", place, "the name of a file", "name it").into());
-    };
-    OutputFolder::create(folder)?.write(&name, text.as_bytes())
+/// Writes a file, which is none of the `inputs`; one of that name is replaced only when the new one is complete.
+pub(super) fn write(path: &Path, text: &str, inputs: &Inputs) -> Result<(), Error> {
+    let (folder, name) = OutputFolder::of_file("output", path, inputs)?;
+    folder.write(&name, text.as_bytes())
 }

@@ -8,6 +8,7 @@ use clap_mangen::Man;
 use railspring_profiles::error::{Error, InputError};
 
 use super::output::{print, say};
+use crate::engine::inputs::Inputs;
 use crate::engine::output::OutputFolder;
 
 /// Where the manual pages go.
@@ -38,7 +39,7 @@ pub(super) fn man(mut program: clap::Command, args: &ManArgs) -> Result<(), Erro
     program.build();
     let Some(path) = &args.output else { return print(&page(program)?.1) };
     let mut open = vec![program];
-    let folder = OutputFolder::create(path)?;
+    let folder = OutputFolder::create(path, &Inputs::none())?;
     while let Some(command) = open.pop() {
         open.extend(command.get_subcommands().filter(|inner| inner.get_name() != "help").cloned());
         let (name, text) = page(command)?;

@@ -14,16 +14,20 @@ use super::progress::Progress;
 use super::results::Results;
 use super::set_args::SetArgs;
 use super::work_args::{WorkArgs, take_threads};
+use crate::engine::inputs::Inputs;
 use crate::engine::output::OutputFolder;
 use crate::engine::store::Store;
+use crate::pdf::Printer;
 use crate::python::Purpose;
 use crate::results::bodies::estimate::{self, Work};
 use crate::results::bodies::input::SolidsInput;
+use crate::results::by_angle::record::BY_ANGLE;
 use crate::results::crosscheck::deck::Format;
 use crate::results::crosscheck::exchange::Case;
 use crate::results::crosscheck::in_time::input::InTimeInput;
 use crate::results::crosscheck::input::CrosscheckInput;
 use crate::results::crosscheck::write_deck;
+use crate::results::files::RESULT_FILES;
 use crate::results::names::{CROSSCHECK_PAGE, REPORT};
 use crate::results::run::input::SpringsInput;
 use crate::results::run::springs;
@@ -194,6 +198,31 @@ impl Action<'_> {
         }
     }
 
+    /// The files that it reads: the study with all that its keys name, and a law.
+    fn inputs(self, study: &Study) -> Inputs {
+        let law = match self {
+            Self::Simulate(law) => law,
+            _ => None,
+        };
+        let beside = law.map(|law| law.with_file_name(BY_ANGLE));
+        Inputs::of(study.source.files().chain(law).chain(beside.as_deref()))
+    }
+
+    /// Whether a file of that name in the output folder is one that it writes.
+    fn makes(self, name: &str) -> bool {
+        let command = match self {
+            Self::Run => "run",
+            Self::Calibrate | Self::Element(_) => "calibrate",
+            Self::Simulate(_) => "simulate",
+            Self::Verify => "verify",
+            Self::Mesh => "mesh",
+            Self::Report => "report",
+            Self::Crosscheck { .. } | Self::CrosscheckInTime { .. } => "crosscheck",
+            Self::Deck(_) => "deck",
+        };
+        RESULT_FILES.iter().any(|file| file.is_made_by(command) && file.matches(name))
+    }
+
     /// Whether it begins without the results of an earlier command.
     fn begins(self, study: &Study) -> bool {
         match self {
@@ -247,7 +276,15 @@ pub(super) fn done(
             "one of the commands `run`, `calibrate`, `element`, `simulate`, `verify` and `crosscheck`";
         return Err(InputError::new("--fresh", "given", expected, "leave it out").into());
     }
-    let folder = if action.begins(study) { OutputFolder::create(&path)? } else { OutputFolder::open(&path)? };
+    let inputs = action.inputs(study);
+    inputs.check_folder(&path, |name| action.makes(name) || files.iter().any(|(own, _)| *own == name))?;
+    if let Action::Element(wanted) = action {
+        wanted.check(&inputs)?;
+    }
+    let folder = match action.begins(study) {
+        true => OutputFolder::create(&path, &inputs)?,
+        false => OutputFolder::open(&path, &inputs)?,
+    };
     take_threads(work.threads)?;
     let _claim = folder.claim()?;
     let progress = Progress::new(work.quiet);
@@ -286,7 +323,7 @@ pub(super) fn done(
         }
         Action::Element(wanted) => {
             let (found, laws) = pipeline.springs_with_elements()?;
-            let (said, more) = wanted.write(study, &found, &laws)?;
+            let (said, more) = wanted.write(study, &found, &laws, &inputs)?;
             (results.with(&found).with_more(said, more), found.holds())
         }
         Action::Run | Action::Calibrate | Action::Simulate(_) | Action::Verify | Action::Report => {
@@ -306,6 +343,7 @@ pub(super) fn done(
     }
     progress.finish();
     if let Some((printer, page)) = printer {
+        Printer::remark().iter().for_each(|line| resources.monitor.notice(line));
         printer.print(&folder, page)?;
     }
     let first = match action {
@@ -319,10 +357,10 @@ pub(super) fn done(
 
 /// The store. One that was named must be there; without the default one everything is made, which is said.
 fn open_store(args: &WorkArgs, progress: &Progress) -> Result<Option<Store>, Error> {
-    match (Store::open(&args.store()), &args.cache) {
-        (Ok(store), _) => Ok(Some(store)),
-        (Err(error), Some(_)) => Err(error),
-        (Err(error), None) => {
+    match args.store() {
+        Ok(store) => Ok(Some(store)),
+        Err(error) if args.cache.is_some() || args.cache_key.is_some() => Err(error),
+        Err(error) => {
             progress.notice(&format!("nothing is taken from the store or kept there: {error}"));
             Ok(None)
         }

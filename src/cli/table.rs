@@ -12,15 +12,17 @@ use super::progress::Progress;
 use super::results::Results;
 use super::work_args::{WorkArgs, take_threads};
 use crate::cluster::Cluster;
+use crate::engine::inputs::Inputs;
 use crate::engine::output::{Content, OutputFolder};
 use crate::engine::store::Store;
+use crate::hash::hash;
 use crate::results::bodies::estimate::Resources;
+use crate::table::earlier::{Earlier, RECORD, is_of_earlier};
 use crate::table::rows::{Rows, Status};
 use crate::table::{Places, Table, about, changes, fleet, page, record, shapes};
 
 /// Files of a table.
 const ROWS: &str = "table.csv";
-const RECORD: &str = "table.json";
 const PAGE: &str = "table.html";
 /// Places of a table whose record is indented for a reader; that of more is in one line.
 const INDENTED: usize = 1000;
@@ -28,6 +30,8 @@ const CHANGES: &str = "table_changes.csv";
 const COLUMNS: &str = "table.parquet";
 const FLEET: &str = "table_fleet.html";
 const TYPICAL: &str = "table_typical.toml";
+/// All of them.
+const OUTPUTS: [&str; 7] = [ROWS, RECORD, PAGE, CHANGES, COLUMNS, FLEET, TYPICAL];
 
 /// The table and where its results go.
 #[derive(Debug, Args)]
@@ -97,6 +101,12 @@ impl ClusterArgs {
     /// [`InputError`] for a scheduler of another executor.
     fn cluster<'a>(&'a self, work: &WorkArgs, fresh: bool) -> Result<Option<Cluster<'a>>, InputError> {
         match (self.executor, &self.scheduler) {
+            (Executor::Dask, Some(_)) if work.cache_key.is_some() => Err(InputError::new(
+                "--cache-key",
+                "given",
+                "no key with --executor dask: workers do not sign what they make",
+                "leave it out, or make the table on this machine",
+            )),
             (Executor::Dask, Some(scheduler)) => Ok(Some(Cluster {
                 scheduler,
                 cache: self.worker_cache.as_deref(),
@@ -140,7 +150,7 @@ fn made(args: &TableArgs, table: &Table) -> Result<bool, Error> {
     let (results, json) = (Results::of("table").of_study(&table.document.name), args.work.json);
     let progress = Progress::new(args.work.quiet);
     let resources = args.work.resources(&progress);
-    let store = Store::open(&args.work.store())?;
+    let store = args.work.store()?;
     table.notices.iter().for_each(|notice| resources.monitor.notice(notice));
     let places = Places::of(table, &store, args.fresh, resources);
     let plan = places.plan(args.dry_run)?;
@@ -151,7 +161,11 @@ fn made(args: &TableArgs, table: &Table) -> Result<bool, Error> {
         return results.with_more(vec![text], more).print(json, args.work.quiet).map(|()| true);
     }
     let path = args.output.clone().unwrap_or_else(|| PathBuf::from("out").join(&table.document.name));
-    let folder = OutputFolder::create(&path)?;
+    let inputs = Inputs::of(&table.files);
+    inputs.check_folder(&path, |name| OUTPUTS.contains(&name))?;
+    // before anything is made; it may be the very file that is written next
+    let earlier = args.diff.as_deref().map(Earlier::read).transpose()?;
+    let folder = OutputFolder::create(&path, &inputs)?;
     let _claim = folder.claim()?;
     if !args.work.quiet {
         remark(&plan.text());
@@ -163,26 +177,30 @@ fn made(args: &TableArgs, table: &Table) -> Result<bool, Error> {
     let made = places.make()?;
     progress.finish();
     let rows = Rows::of(table, &made);
-    // the earlier one may be the very file that is written next
-    let changes = args.diff.as_ref().map(|earlier| changes::since(earlier, &rows)).transpose()?;
-    let earlier = args.diff.as_ref().map(|earlier| fleet::earlier(earlier)).transpose()?;
+    let changes = earlier.as_ref().map(|earlier| changes::since(earlier, &rows)).transpose()?;
+    let earlier = earlier.as_ref().map(fleet::earlier).transpose()?;
     let about = about(table, &args.table, &path, earlier.as_ref());
     let fleet = fleet::page(&rows, &shapes(&made), &about);
     let page = page(&table.document.name, &table.document.description, &rows, fleet.as_ref().map(|_| FLEET));
-    let record = record(table, &made);
-    let mut files = vec![
-        (ROWS, rows.csv().into()),
-        (COLUMNS, fleet::parquet(&rows).into()),
-        (RECORD, Content::json(&record, made.len() <= INDENTED)),
-        (PAGE, page.into_bytes().into()),
-    ];
-    files.extend(changes.iter().map(|changes| (CHANGES, changes.csv().into())));
+    let mut files: Vec<(&str, Vec<u8>)> =
+        vec![(ROWS, rows.csv()), (COLUMNS, fleet::parquet(&rows)), (PAGE, page.into_bytes())];
+    files.extend(changes.iter().map(|changes| (CHANGES, changes.csv())));
     let (html, typical) = fleet.map_or((None, None), |pages| (Some(pages.html), pages.typical));
     let of_fleet = [(FLEET, html), (TYPICAL, typical)];
-    files.extend(of_fleet.iter().filter_map(|(name, text)| Some((*name, text.clone()?.into_bytes().into()))));
+    files.extend(of_fleet.iter().filter_map(|(name, text)| Some((*name, text.clone()?.into_bytes()))));
+    // those of an earlier table of this name say nothing of this one; what a user has put there stays
+    let outdated: Vec<&str> = of_fleet
+        .iter()
+        .filter(|(name, text)| text.is_none() && is_of_earlier(folder.path(), name))
+        .map(|(name, _)| *name)
+        .collect();
+    let written = files.iter().map(|(name, content)| ((*name).to_owned(), hash(content))).collect();
+    let record = record(table, &made, written);
+    let mut files: Vec<(&str, Content<'_>)> =
+        files.into_iter().map(|(name, content)| (name, content.into())).collect();
+    files.push((RECORD, Content::json(&record, made.len() <= INDENTED)));
     folder.write_together(&files)?;
-    // those of an earlier table of this name say nothing of this one
-    of_fleet.iter().filter(|(_, text)| text.is_none()).try_for_each(|(name, _)| folder.remove(name))?;
+    outdated.iter().try_for_each(|name| folder.remove(name))?;
     let with = |status: Status| made.iter().filter(|(_, record)| Status::of(record) == status).count();
     let [complete, early, failed] = [Status::Complete, Status::EndsEarly, Status::Failed].map(with);
     let count = format!(

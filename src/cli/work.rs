@@ -8,7 +8,7 @@ use railspring_profiles::error::{Error, InputError};
 use super::output::say;
 use super::progress::Progress;
 use super::work_args::{WorkArgs, take_threads};
-use crate::engine::store::{Store, program};
+use crate::engine::store::program;
 use crate::table::Work;
 
 /// Largest step that is read, bytes.
@@ -48,7 +48,7 @@ pub(super) fn run(args: &StepArgs) -> Result<(), Error> {
     std::io::stdin().take(LARGEST).read_to_string(&mut text).map_err(|cause| unusable(cause.to_string()))?;
     let work: Work = serde_json::from_str(&text).map_err(|cause| unusable(cause.to_string()))?;
     let progress = Progress::new(true);
-    let store = Store::open(&args.work.store())?;
+    let store = args.work.store()?;
     let answer = work.done(&store, args.work.resources(&progress))?;
     say(&serde_json::to_string(&answer).expect("an answer is plain data"))
 }

@@ -6,7 +6,7 @@ use clap::Args;
 use railspring_profiles::error::{Error, InputError};
 
 use super::progress::Progress;
-use crate::engine::store;
+use crate::engine::store::{self, Store, StoreKey};
 use crate::results::bodies::estimate::{Budget, Resources};
 
 /// What every command needs to know that solves.
@@ -31,6 +31,9 @@ pub(super) struct WorkArgs {
     /// Folder of the store, in which results are kept and found again; left out, one in the user's cache folder
     #[arg(long, value_name = "DIR")]
     pub(super) cache: Option<PathBuf>,
+    /// File with the key of a store that several people share: only entries are taken from it that were signed with the key, and those that are kept are signed
+    #[arg(long, value_name = "FILE")]
+    pub(super) cache_key: Option<PathBuf>,
 }
 
 impl WorkArgs {
@@ -39,8 +42,14 @@ impl WorkArgs {
         Resources { budget, interpreter: self.python.as_deref(), monitor: progress }
     }
 
-    pub(super) fn store(&self) -> PathBuf {
-        self.cache.clone().unwrap_or_else(store::default_folder)
+    /// The store, with its key.
+    ///
+    /// # Errors
+    /// Those of [`store::default_folder`], [`StoreKey::read`] and [`Store::open`].
+    pub(super) fn store(&self) -> Result<Store, Error> {
+        let key = self.cache_key.as_deref().map(StoreKey::read).transpose()?;
+        let folder = self.cache.clone().map_or_else(store::default_folder, Ok)?;
+        Ok(Store::open(&folder)?.signed_with(key))
     }
 }
 

@@ -9,6 +9,7 @@ use serde::de::DeserializeOwned;
 
 use crate::engine::list::{Entry, RESULTS, Results};
 use crate::engine::output::{OutputFolder, parse_json, read_text};
+use crate::engine::seal::Sealed;
 use crate::hash::hash;
 use crate::results::by_angle::record::{BY_ANGLE, StiffnessByAngleRecord};
 use crate::results::inputs::{INPUTS, InputsRecord};
@@ -66,7 +67,9 @@ impl Side {
     pub fn read(path: &Path) -> Result<Self> {
         if path.is_file() {
             let text = read_text(path, "calibrate")?;
-            return Ok(Self::of(path, parse_json(path, &text, "calibrate")?));
+            let stiffness: StiffnessRecord = parse_json(path, &text, "calibrate")?;
+            stiffness.check_as_written(path, "calibrate")?;
+            return Ok(Self::of(path, stiffness));
         }
         let folder = OutputFolder::to_read(path)?;
         let files = Files { results: Results::new(&folder), folder: &folder };

@@ -337,7 +337,8 @@ fn figures_have_common_loads_and_bars() {
 #[test]
 fn a_folder_is_read_as_it_was_written() {
     let place = tempfile::tempdir().unwrap();
-    let folder = OutputFolder::create(&place.path().join("out")).unwrap();
+    let folder =
+        OutputFolder::create(&place.path().join("out"), &crate::engine::inputs::Inputs::none()).unwrap();
     let read = |calibration: &str| {
         let made = side("a");
         let inputs = InputsRecord { calibration: calibration.into(), ..made.inputs.unwrap() };

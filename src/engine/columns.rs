@@ -1,8 +1,13 @@
 //! Columns of a CSV file as a table: name with its unit, what it means, and where its value comes from. File, schema and reference page
 //! follow from it.
 
+use std::borrow::Cow;
+
 use serde::Serialize;
 use serde_json::{Map, Value, json};
+
+/// What a spreadsheet takes for the beginning of a formula.
+const FORMULA: [char; 6] = ['=', '+', '-', '@', '\t', '\r'];
 
 /// A value of a row.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -108,12 +113,32 @@ macro_rules! columns {
 }
 pub(crate) use columns;
 
+/// A text as a cell of a CSV file: a spreadsheet takes one that begins with `=`, `+`, `-`, `@`, a tab or a carriage return for a formula, which
+/// may call other programs. So a quote comes before it, which shows it as a text. Numbers stay as they are.
+pub fn defused(text: &str) -> Cow<'_, str> {
+    match text.starts_with(FORMULA) && text.parse::<f64>().is_err() {
+        true => format!("'{text}").into(),
+        false => text.into(),
+    }
+}
+
+/// The text that [`defused`] made a cell of.
+pub fn as_given(cell: &str) -> &str {
+    cell.strip_prefix('\'')
+        .filter(|text| text.starts_with(FORMULA) && text.parse::<f64>().is_err())
+        .unwrap_or(cell)
+}
+
 /// The CSV file of rows, with the names of the columns first.
 pub fn csv<T>(columns: &[Column<T>], rows: &[T]) -> Vec<u8> {
     let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
     let written = writer.write_record(columns.iter().map(|column| column.name)).and_then(|()| {
         rows.iter().try_for_each(|row| {
-            writer.serialize(columns.iter().map(|column| (column.value)(row)).collect::<Vec<Cell>>())
+            let cell = |column: &Column<T>| match (column.value)(row) {
+                Cell::Text(text) => Cell::Text(defused(&text).into_owned()),
+                number => number,
+            };
+            writer.serialize(columns.iter().map(cell).collect::<Vec<Cell>>())
         })
     });
     written.expect("rows of numbers and texts are written to memory");
@@ -121,9 +146,13 @@ pub fn csv<T>(columns: &[Column<T>], rows: &[T]) -> Vec<u8> {
 }
 
 /// Rows of texts as CSV; the first has the names of the columns.
-pub fn csv_of_texts<R: IntoIterator<Item: AsRef<[u8]>>>(rows: impl IntoIterator<Item = R>) -> Vec<u8> {
+pub fn csv_of_texts<R: IntoIterator<Item: AsRef<str>>>(rows: impl IntoIterator<Item = R>) -> Vec<u8> {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    rows.into_iter().try_for_each(|row| writer.write_record(row)).expect("a row goes into memory");
+    let written = rows.into_iter().try_for_each(|row| {
+        row.into_iter().try_for_each(|cell| writer.write_field(defused(cell.as_ref()).as_bytes()))?;
+        writer.write_record(None::<&[u8]>)
+    });
+    written.expect("a row goes into memory");
     writer.into_inner().expect("memory has room")
 }
 
@@ -143,4 +172,31 @@ pub fn properties<T>(columns: &[Column<T>]) -> Map<String, Value> {
         (column.name.to_string(), json!({ "type": of, "description": column.text }))
     };
     columns.iter().map(property).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Source: OWASP, CSV injection. Goal: a text that a spreadsheet would run stands behind a quote in both ways to write a row, and is read back as it
+    /// was given; numbers, also negative ones, and texts with such a letter further on stay.
+    #[test]
+    fn formulas_are_defused() {
+        let kept = ["-1.5", "+2e3", "-inf", "S1002", "a=b", "", "'quoted"];
+        let formulas = ["=1+1", "@SUM(1)|cmd", "+A1", "-A1", "\t=1", "\r=1"];
+        for text in kept {
+            assert_eq!((defused(text).as_ref(), as_given(text)), (text, text));
+        }
+        for text in formulas {
+            assert_eq!(defused(text), format!("'{text}"));
+            assert_eq!(as_given(&defused(text)), text);
+        }
+        let of_texts = csv_of_texts([vec!["=1", "-2"], vec!["a", "b"]]);
+        assert_eq!(String::from_utf8(of_texts).unwrap(), "'=1,-2\na,b\n");
+        let columns = columns! { &str:
+            "name", "", |text| (*text).to_owned();
+            "number", "", |_at| -2.0;
+        };
+        assert_eq!(String::from_utf8(csv(&columns, &["=1"])).unwrap(), "name,number\n'=1,-2.0\n");
+    }
 }

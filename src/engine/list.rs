@@ -6,8 +6,10 @@
 //! under too, and with the hash of its content. A reader takes a file only if
 //! both are what it expects.
 //!
-//! The list is written after the files it lists. Whoever is stopped between
+//! The list is written before the files it lists. Whoever is stopped between
 //! the two leaves files whose content is not the listed one; they are refused.
+//! So every file of this program is listed, and what is not listed is a
+//! user's: it is never removed.
 
 use std::collections::BTreeMap;
 
@@ -116,8 +118,8 @@ impl<'a> Results<'a> {
 
     /// Writes the files of one stage and lists them together.
     ///
-    /// If one of them changes, the files `derived` from it are removed first, so that nothing stands beside results
-    /// that it was not made from; a name that ends in `/` means all listed files of that folder.
+    /// If one of them changes, the listed files `derived` from it are removed first, so that nothing stands beside results
+    /// that it was not made from; a name that ends in `/` means all of that folder. What is not listed is a user's and stays.
     ///
     /// # Errors
     /// [`InputError`] whose key is the path of a file that cannot be written or removed.
@@ -139,11 +141,15 @@ impl<'a> Results<'a> {
         if entries.iter().any(|(name, entry, _)| list.files.get(name) != Some(entry)) {
             self.remove(&mut list, derived)?;
         }
-        for (name, _, content) in &entries {
-            self.folder.write(name, content)?;
+        // an earlier one without a hash would pass for the new one if this is stopped
+        for (name, entry, _) in &entries {
+            if entry.blake3.is_none() && list.files.contains_key(name) {
+                self.folder.remove(name)?;
+            }
         }
-        list.files.extend(entries.into_iter().map(|(name, entry, _)| (name, entry)));
-        self.folder.write_json(RESULTS, &list)
+        list.files.extend(entries.iter().map(|(name, entry, _)| (name.clone(), entry.clone())));
+        self.folder.write_json(RESULTS, &list)?;
+        entries.iter().try_for_each(|(name, _, content)| self.folder.write(name, content))
     }
 
     /// Removes results that there are no longer, and before them what was `derived` from one that is listed.
@@ -216,15 +222,14 @@ impl<'a> Results<'a> {
     fn remove(&self, list: &mut List, derived: &[&str]) -> Result<()> {
         let is_derived =
             |name: &str| derived.iter().any(|d| *d == name || (d.ends_with('/') && name.starts_with(d)));
-        let mut names: Vec<String> =
-            derived.iter().filter(|d| !d.ends_with('/')).map(ToString::to_string).collect();
-        names.extend(list.files.keys().filter(|name| is_derived(name)).cloned());
-        let before = list.files.len();
-        list.files.retain(|name, _| !is_derived(name));
-        if list.files.len() < before {
+        let names: Vec<String> = list.files.keys().filter(|name| is_derived(name)).cloned().collect();
+        // first, so that one that stays because this is stopped is still known
+        names.iter().try_for_each(|name| self.folder.remove(name))?;
+        if !names.is_empty() {
+            list.files.retain(|name, _| !is_derived(name));
             self.folder.write_json(RESULTS, list)?;
         }
-        names.iter().try_for_each(|name| self.folder.remove(name))
+        Ok(())
     }
 }
 
@@ -236,10 +241,11 @@ fn short(key: &str) -> &str {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::engine::inputs::Inputs;
 
     fn folder() -> (tempfile::TempDir, OutputFolder) {
         let root = tempfile::tempdir().unwrap();
-        let folder = OutputFolder::create(&root.path().join("out")).unwrap();
+        let folder = OutputFolder::create(&root.path().join("out"), &Inputs::none()).unwrap();
         (root, folder)
     }
 
@@ -304,24 +310,30 @@ mod tests {
         assert!(!folder.file("figures/law.svg").exists() && results.entry("b.csv").is_some());
     }
 
-    /// Goal: what was derived from a file goes when the file changes, and stays when it is written again as it was.
+    /// Goal: what was derived from a file goes when the file changes, and stays when it is written again as it was; a file of such a name that
+    /// is not listed is a user's and stays.
     #[test]
     fn a_change_removes_what_was_derived() {
         let (_root, folder) = folder();
         let results = Results::new(&folder);
         let write = |content: &[u8]| {
             results
-                .write(vec![NewFile::new("a.csv", content.into(), "k")], &["report.html", "figures/"])
+                .write(
+                    vec![NewFile::new("a.csv", content.into(), "k")],
+                    &["report.html", "report.pdf", "figures/"],
+                )
                 .unwrap();
         };
         write(b"1");
-        folder.write("report.html", b"unlisted").unwrap();
+        results.write(vec![NewFile::new("report.html", b"x".into(), "r")], &[]).unwrap();
+        folder.write("report.pdf", b"a user's").unwrap();
         folder.write("figures/own.svg", b"a user's").unwrap();
         results.write(vec![NewFile::new("figures/law.svg", b"x".into(), "r")], &[]).unwrap();
         write(b"1");
         assert!(folder.file("report.html").exists() && folder.file("figures/law.svg").exists());
         write(b"2");
         assert!(!folder.file("report.html").exists() && !folder.file("figures/law.svg").exists());
-        assert!(folder.file("figures/own.svg").exists() && results.entry("figures/law.svg").is_none());
+        assert!(folder.file("figures/own.svg").exists() && folder.file("report.pdf").exists());
+        assert!(results.entry("figures/law.svg").is_none());
     }
 }

@@ -11,6 +11,8 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use tempfile::TempPath;
 
+use crate::engine::inputs::Inputs;
+
 /// Begin of the temporary names.
 pub(crate) const TEMPORARY: &str = ".railspring-";
 
@@ -48,23 +50,26 @@ impl From<Vec<u8>> for Content<'_> {
 #[derive(Debug)]
 pub struct OutputFolder {
     path: PathBuf,
+    /// What the command reads, of which nothing is written here.
+    inputs: Inputs,
     /// Folders that did not exist before, outermost first.
     created: Vec<PathBuf>,
 }
 
 impl OutputFolder {
-    /// Creates the folder if need be and checks that files can be written to it.
+    /// Creates the folder if need be and checks that files can be written to it. None of the `inputs` of the command is ever written or
+    /// removed in it.
     ///
     /// # Errors
     /// [`InputError`] with key `output folder` if it cannot be created or written.
-    pub fn create(path: &Path) -> Result<Self> {
+    pub fn create(path: &Path, inputs: &Inputs) -> Result<Self> {
         let created: Vec<PathBuf> = path
             .ancestors()
             .take_while(|p| !p.as_os_str().is_empty() && !p.exists())
             .map(Path::to_path_buf)
             .collect();
         let created = created.into_iter().rev().collect();
-        let folder = Self { path: path.to_path_buf(), created };
+        let folder = Self { path: path.to_path_buf(), inputs: inputs.clone(), created };
         std::fs::create_dir_all(path)
             .and_then(|()| tempfile::NamedTempFile::new_in(path))
             .map_err(|cause| folder.unwritable(&cause))?;
@@ -75,7 +80,7 @@ impl OutputFolder {
     ///
     /// # Errors
     /// As [`OutputFolder::create`]; also if the folder does not exist.
-    pub fn open(path: &Path) -> Result<Self> {
+    pub fn open(path: &Path, inputs: &Inputs) -> Result<Self> {
         if !path.is_dir() {
             return Err(InputError::new(
                 "output folder",
@@ -88,7 +93,7 @@ impl OutputFolder {
             )
             .into());
         }
-        Self::create(path)
+        Self::create(path, inputs)
     }
 
     /// Opens a folder that is only read.
@@ -97,7 +102,7 @@ impl OutputFolder {
     /// [`InputError`] whose key is the path if it is no folder.
     pub fn to_read(path: &Path) -> Result<Self> {
         match path.is_dir() {
-            true => Ok(Self { path: path.to_path_buf(), created: Vec::new() }),
+            true => Ok(Self { path: path.to_path_buf(), inputs: Inputs::none(), created: Vec::new() }),
             false => Err(InputError::new(
                 path.display().to_string(),
                 if path.exists() { "not a folder" } else { "(does not exist)" },
@@ -106,6 +111,27 @@ impl OutputFolder {
             )
             .into()),
         }
+    }
+
+    /// The folder and the name of a single file to be written, at `path`. The file is refused at once if it is an input.
+    ///
+    /// # Errors
+    /// As [`OutputFolder::create`]; [`InputError`] with key `option` for a path that names no file.
+    pub fn of_file(option: &str, path: &Path, inputs: &Inputs) -> Result<(Self, String)> {
+        let name = path.file_name().and_then(|name| name.to_str()).filter(|_| !path.is_dir());
+        let Some(name) = name else {
+            let expected = "the name of a file";
+            let remedy = "name a file in a folder that can be written";
+            return Err(InputError::new(option, path.display(), expected, remedy).into());
+        };
+        inputs.check(path)?;
+        let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        Ok((Self::create(folder, inputs)?, name.to_owned()))
+    }
+
+    /// What the command reads.
+    pub fn inputs(&self) -> &Inputs {
+        &self.inputs
     }
 
     /// The folder.
@@ -155,9 +181,10 @@ impl OutputFolder {
     /// Removes a file; one that is not there is removed already.
     ///
     /// # Errors
-    /// [`InputError`] whose key is the path, if the file cannot be removed.
+    /// [`InputError`] whose key is the path, if the file cannot be removed or is an input.
     pub fn remove(&self, name: &str) -> Result<()> {
         let path = self.file(name);
+        self.inputs.check(&path)?;
         match std::fs::remove_file(&path) {
             Err(cause) if cause.kind() != ErrorKind::NotFound => Err(unwritable_file(&path, &cause).into()),
             _ => Ok(()),
@@ -167,7 +194,7 @@ impl OutputFolder {
     /// Writes a file at once; a file of that name is replaced only when the new one is complete.
     ///
     /// # Errors
-    /// [`InputError`] whose key is the path, if the file cannot be written.
+    /// [`InputError`] whose key is the path, if the file cannot be written or is an input.
     pub fn write(&self, name: &str, content: &[u8]) -> Result<()> {
         self.replace(name, |temporary| std::fs::write(temporary, content))
     }
@@ -202,6 +229,7 @@ impl OutputFolder {
 
     fn filled(&self, name: &str, fill: impl FnOnce(&Path) -> std::io::Result<()>) -> Result<Filled> {
         let target = self.file(name);
+        self.inputs.check(&target)?;
         let parent = target.parent().unwrap_or(&self.path);
         let write = || -> std::io::Result<TempPath> {
             std::fs::create_dir_all(parent)?;
@@ -355,7 +383,7 @@ mod tests {
     #[test]
     fn a_failed_write_leaves_the_old_file_and_nothing_else() {
         let root = tempfile::tempdir().unwrap();
-        let folder = OutputFolder::create(&root.path().join("a/b")).unwrap();
+        let folder = OutputFolder::create(&root.path().join("a/b"), &Inputs::none()).unwrap();
         folder.write("x.txt", b"old").unwrap();
         let failed = folder.replace("x.txt", |temporary| {
             std::fs::write(temporary, b"half of the new")?;
@@ -370,7 +398,7 @@ mod tests {
     #[test]
     fn files_that_belong_together_are_replaced_together() {
         let root = tempfile::tempdir().unwrap();
-        let folder = OutputFolder::create(root.path()).unwrap();
+        let folder = OutputFolder::create(root.path(), &Inputs::none()).unwrap();
         let files = |text: &str| ["x.txt", "y/z.txt"].map(|name| (name, text.as_bytes().to_vec().into()));
         folder.write("x.txt", b"old").unwrap();
         std::fs::write(root.path().join("y"), "no folder").unwrap();
@@ -385,9 +413,9 @@ mod tests {
     #[test]
     fn empty_folders_are_taken_away_and_used_ones_stay() {
         let root = tempfile::tempdir().unwrap();
-        drop(OutputFolder::create(&root.path().join("a/b")).unwrap());
+        drop(OutputFolder::create(&root.path().join("a/b"), &Inputs::none()).unwrap());
         assert!(!root.path().join("a").exists());
-        let folder = OutputFolder::create(&root.path().join("a/b")).unwrap();
+        let folder = OutputFolder::create(&root.path().join("a/b"), &Inputs::none()).unwrap();
         folder.write("x.txt", b"x").unwrap();
         drop(folder);
         assert!(root.path().join("a/b/x.txt").exists());
@@ -397,14 +425,15 @@ mod tests {
     #[test]
     fn a_folder_is_claimed_once() {
         let root = tempfile::tempdir().unwrap();
-        let folder = OutputFolder::create(&root.path().join("out")).unwrap();
+        let folder = OutputFolder::create(&root.path().join("out"), &Inputs::none()).unwrap();
         folder.write(".railspring-x1", b"half").unwrap();
         folder.write("kept.txt", b"x").unwrap();
         let claim = folder.claim().unwrap();
         assert!(
             claim.is_some() && !folder.file(".railspring-x1").exists() && folder.file("kept.txt").exists()
         );
-        let error = OutputFolder::open(folder.path()).unwrap().claim().unwrap_err().to_string();
+        let error =
+            OutputFolder::open(folder.path(), &Inputs::none()).unwrap().claim().unwrap_err().to_string();
         assert!(error.contains("no other railspring is writing to"), "{error}");
         drop(claim);
         assert!(folder.claim().unwrap().is_some());
@@ -415,7 +444,7 @@ mod tests {
         let root = tempfile::tempdir().unwrap();
         let file = root.path().join("file");
         std::fs::write(&file, b"").unwrap();
-        let error = OutputFolder::create(&file.join("out")).unwrap_err();
+        let error = OutputFolder::create(&file.join("out"), &Inputs::none()).unwrap_err();
         assert!(error.to_string().starts_with("output folder = "), "{error}");
     }
 }

@@ -1,8 +1,9 @@
 //! Records that know whether they are as the program wrote them.
 
-use serde::Serialize;
+use std::path::Path;
 
-use crate::engine::output::to_json;
+use railspring_profiles::error::{InputError, Result};
+use serde::Serialize;
 
 /// A record with the hash of its own content in it. A copy of its file, in any folder, then says whether a number was edited in it; another
 /// layout of the same values changes nothing.
@@ -14,7 +15,11 @@ pub trait Sealed: Serialize + Clone {
     fn content_hash(&self) -> String {
         let mut content = self.clone();
         content.seal().clear();
-        blake3::hash(&to_json(&content)).to_hex().to_string()
+        // as it is formed: the text of a large table would fill the memory
+        let mut hasher = blake3::Hasher::new();
+        serde_json::to_writer_pretty(&mut hasher, &content).expect("records are plain data");
+        hasher.update(b"\n");
+        hasher.finalize().to_hex().to_string()
     }
 
     /// The same with its hash.
@@ -22,6 +27,23 @@ pub trait Sealed: Serialize + Clone {
     fn sealed(mut self) -> Self {
         *self.seal() = self.content_hash();
         self
+    }
+
+    /// Refuses one that is not as it was written; `file` is where it stands, and `made_by` the command that writes it.
+    ///
+    /// # Errors
+    /// [`InputError`] whose key is the file.
+    fn check_as_written(&self, file: &Path, made_by: &str) -> Result<()> {
+        match self.is_as_written() {
+            true => Ok(()),
+            false => Err(InputError::new(
+                file.display().to_string(),
+                "edited after it was written, or written by another version",
+                format!("a file as `railspring {made_by}` wrote it, whose hash is that of its content"),
+                format!("make it again with `railspring {made_by}`"),
+            )
+            .into()),
+        }
     }
 
     /// Whether it is as it was written.

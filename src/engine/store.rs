@@ -10,25 +10,28 @@
 //! program that was built anew may compute something else under the same
 //! version. The output folder lists its files by the same key.
 
-use std::io::{BufRead, BufReader, ErrorKind, Read};
+mod entry;
+mod key;
+
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use std::time::{Duration, SystemTime};
 
+use entry::{Refused, decode, encode, read_header};
+pub use key::StoreKey;
 use railspring_profiles::error::{Error, InputError, Result};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
+use crate::engine::inputs::Inputs;
 use crate::engine::output::{OutputFolder, TEMPORARY};
 use crate::hash::hash;
+use crate::plain_file;
 use crate::python::cache_folder;
 
-/// First word of an entry; the number changes with the layout.
-const MAGIC: &str = "railspring-artefact-1";
 /// Ending of an entry's name.
 const ENDING: &str = ".artefact";
-/// Largest second line that is read, bytes.
-const LARGEST_HEADER: u64 = 1 << 20;
 /// A temporary file that has not changed for so long belongs to a process that was killed.
 const ABANDONED: Duration = Duration::from_secs(24 * 3600);
 
@@ -189,21 +192,6 @@ pub fn unreadable(part: &str, reason: &str) -> Error {
         .into()
 }
 
-/// The second line of an entry.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Header {
-    kind: Kind,
-    key: String,
-    /// What was made, as the terminal says it.
-    name: String,
-    /// Name of the study that it was made for first.
-    study: String,
-    version: String,
-    /// Names and lengths (bytes) of the parts.
-    parts: Vec<(String, usize)>,
-}
-
 /// What the store has at an address.
 #[derive(Debug)]
 enum Found {
@@ -211,6 +199,8 @@ enum Found {
     Whole(Artefact),
     /// An entry that cannot be used, with the reason; it is removed.
     Damaged(String),
+    /// An entry without the signature of the key.
+    Unsigned,
     /// Nothing.
     Nothing,
 }
@@ -247,19 +237,25 @@ pub struct Prune {
 pub struct Store {
     folder: OutputFolder,
     program: &'static str,
+    /// What entries have to be signed with, and are.
+    key: Option<StoreKey>,
 }
 
 /// The folder of the store, left to the program: below that of `RAILSPRING_CACHE`, else below the user's cache folder.
-pub fn default_folder() -> PathBuf {
-    cache_folder().join("store")
+///
+/// # Errors
+/// Those of [`cache_folder`].
+pub fn default_folder() -> Result<PathBuf> {
+    Ok(cache_folder()?.join("store"))
 }
 
 impl Store {
     /// Opens a store, made if need be.
     ///
     /// # Errors
-    /// [`InputError`] with key `--cache` if the folder cannot be created or written, or the program's own file, which
-    /// is a part of every key, cannot be read.
+    /// [`InputError`] with key `--cache` if the folder cannot be created or read, or the program's own file, which
+    /// is a part of every key, cannot be read. From a folder that cannot be written what is there is taken; that nothing is kept is said
+    /// where it would be.
     pub fn open(folder: &Path) -> Result<Self> {
         let refused = |value: String| {
             InputError::new(
@@ -270,13 +266,24 @@ impl Store {
             )
         };
         let program = program().ok_or_else(|| refused("the program's own file cannot be read".into()))?;
-        let folder = OutputFolder::create(folder).map_err(|error| match error {
+        let made = OutputFolder::create(folder, &Inputs::none());
+        let made = made.or_else(|error| match std::fs::read_dir(folder) {
+            Ok(_) => OutputFolder::to_read(folder),
+            Err(_) => Err(error),
+        });
+        let folder = made.map_err(|error| match error {
             Error::Input(cause) => refused(cause.value).into(),
             other => other,
         })?;
-        let store = Self { folder, program };
+        let store = Self { folder, program, key: None };
         store.remove_abandoned();
         Ok(store)
+    }
+
+    /// The same store, of which only entries are taken that were signed with `key`; those that it keeps are.
+    #[must_use]
+    pub fn signed_with(self, key: Option<StoreKey>) -> Self {
+        Self { key, ..self }
     }
 
     /// The folder.
@@ -291,27 +298,27 @@ impl Store {
 
     /// Whether there is an entry, complete or not.
     pub fn has(&self, address: &Address) -> bool {
-        self.folder.file(&address.file()).is_file()
+        self.folder.file(&address.file()).symlink_metadata().is_ok_and(|about| about.is_file())
     }
 
     /// The artefact at an address; an entry that is not what was written is removed.
     fn take(&self, address: &Address) -> Found {
         let path = self.folder.file(&address.file());
-        let bytes = match std::fs::read(&path) {
+        let bytes = match plain_file::read(&path) {
             Ok(bytes) => bytes,
             Err(cause) if cause.kind() == ErrorKind::NotFound => return Found::Nothing,
             Err(cause) => return self.discard(address, cause.to_string()),
         };
-        match decode(&bytes, address) {
+        match decode(&bytes, address, self.key.as_ref()) {
             Ok(artefact) => {
                 // What is pruned is what was not used for long; a store that is only read keeps its times.
-                let _ = std::fs::File::options()
-                    .write(true)
-                    .open(&path)
+                let _ = plain_file::open(&path, std::fs::File::options().write(true))
                     .and_then(|file| file.set_modified(SystemTime::now()));
                 Found::Whole(artefact)
             }
-            Err(reason) => self.discard(address, reason.into()),
+            // it may be of use to others; what is made here takes its place
+            Err(Refused::Unsigned) => Found::Unsigned,
+            Err(Refused::Damaged(reason)) => self.discard(address, reason.into()),
         }
     }
 
@@ -329,8 +336,14 @@ impl Store {
             },
             found => found,
         };
-        if let Found::Damaged(reason) = found {
-            say(format!("the entry of the store is damaged ({reason}): made again"));
+        match found {
+            Found::Damaged(reason) => {
+                say(format!("the entry of the store is damaged ({reason}): made again"))
+            }
+            Found::Unsigned => {
+                say("the entry of the store is not signed with the key of --cache-key: made again".into());
+            }
+            _ => {}
         }
         None
     }
@@ -362,7 +375,7 @@ impl Store {
     /// # Errors
     /// [`InputError`] if the file cannot be written; the store is then as it was.
     fn put(&self, address: &Address, name: &str, study: &str, artefact: &Artefact) -> Result<()> {
-        self.folder.write(&address.file(), &encode(address, name, study, artefact))
+        self.folder.write(&address.file(), &encode(address, name, study, artefact, self.key.as_ref()))
     }
 
     /// The entries, from the one used last on.
@@ -434,60 +447,6 @@ pub(crate) fn program() -> Option<&'static str> {
         Some(hasher.finalize().to_hex().to_string())
     })
     .as_deref()
-}
-
-fn encode(address: &Address, name: &str, study: &str, artefact: &Artefact) -> Vec<u8> {
-    let header = Header {
-        kind: address.kind,
-        key: address.key.clone(),
-        name: name.into(),
-        study: study.into(),
-        version: env!("CARGO_PKG_VERSION").into(),
-        parts: artefact.parts.iter().map(|(name, content)| (name.clone(), content.len())).collect(),
-    };
-    let mut body = serde_json::to_vec(&header).expect("a header is plain data");
-    body.push(b'\n');
-    artefact.parts.iter().for_each(|(_, content)| body.extend_from_slice(content));
-    let mut bytes = format!("{MAGIC} {}\n", hash(&body)).into_bytes();
-    bytes.append(&mut body);
-    bytes
-}
-
-/// The artefact of an entry that is complete and stands where it belongs.
-fn decode(bytes: &[u8], address: &Address) -> std::result::Result<Artefact, &'static str> {
-    const CUT: &str = "it is not complete";
-    let end = bytes.iter().position(|byte| *byte == b'\n').ok_or(CUT)?;
-    let (first, body) = (&bytes[..end], &bytes[end + 1..]);
-    if first != format!("{MAGIC} {}", hash(body)).as_bytes() {
-        return Err("its content does not have its hash");
-    }
-    let end = body.iter().position(|byte| *byte == b'\n').ok_or(CUT)?;
-    let header: Header = serde_json::from_slice(&body[..end]).map_err(|_| "it has another layout")?;
-    if (header.kind, &header.key) != (address.kind, &address.key) {
-        return Err("it is another artefact");
-    }
-    let mut rest = &body[end + 1..];
-    let mut artefact = Artefact::default();
-    for (name, length) in header.parts {
-        let (content, after) = rest.split_at_checked(length).ok_or(CUT)?;
-        artefact = artefact.with(name, content);
-        rest = after;
-    }
-    Ok(artefact)
-}
-
-/// The second line of an entry that has its length; the content is checked when it is taken.
-fn read_header(path: &Path, address: &Address, bytes: u64) -> Option<Header> {
-    let mut lines = BufReader::new(std::fs::File::open(path).ok()?.take(LARGEST_HEADER));
-    let (mut first, mut second) = (String::new(), String::new());
-    lines.read_line(&mut first).ok()?;
-    lines.read_line(&mut second).ok()?;
-    let header: Header = serde_json::from_str(&second).ok()?;
-    let parts: usize = header.parts.iter().map(|(_, length)| length).sum();
-    let whole = first.starts_with(MAGIC)
-        && (header.kind, &header.key) == (address.kind, &address.key)
-        && (first.len() + second.len() + parts) as u64 == bytes;
-    whole.then_some(header)
 }
 
 #[cfg(test)]

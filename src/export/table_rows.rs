@@ -321,6 +321,9 @@ fn points(at: &ShiftRecord, reference: &str) -> Vec<TangentRecord> {
     loads.filter_map(point).collect()
 }
 
+/// What every list of [`index`] begins with.
+pub const INDEX_BEGIN: &str = "row,folder,";
+
 /// What has become of the rows, as CSV: one line for each, with its folder and its files, or why it has none.
 pub fn index(entries: &[(ExportRow<'_>, std::result::Result<Vec<String>, String>)]) -> Vec<u8> {
     let columns = entries.first().map(|(row, _)| row.columns()).unwrap_or_default();

@@ -11,7 +11,8 @@ use super::package::Package;
 use crate::child::{self, Ended, Limits, Stop};
 
 /// Limits of a command that answers at once.
-pub(super) const PROBE_LIMITS: Limits = Limits { time: Duration::from_secs(120), output: 1 << 20 };
+pub(super) const PROBE_LIMITS: Limits =
+    Limits { time: Duration::from_secs(120), output: 1 << 20, memory: None };
 
 /// An interpreter that sees neither the working folder nor variables of the user's own Python.
 pub(super) fn isolated(interpreter: &Path, place: &Path) -> Command {
@@ -41,5 +42,6 @@ pub(super) fn answer(
         Stop::Failed(cause) => of.missing(&program, &cause.to_string()).into(),
         Stop::Time => of.missing(&program, &format!("no result within {} s", limits.time.as_secs())).into(),
         Stop::Output => of.missing(&program, "it writes without end").into(),
+        Stop::Memory => of.missing(&program, "it takes more memory than allowed").into(),
     })
 }

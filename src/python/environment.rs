@@ -11,9 +11,10 @@ use railspring_profiles::monitor::Monitor;
 use super::command::{PROBE_LIMITS, answer, isolated};
 use super::package::Package;
 use crate::child::Limits;
+use crate::plain_file;
 
 /// Limits of making the environment and of loading packages over a slow line.
-const LIMITS: Limits = Limits { time: Duration::from_secs(1800), output: 64 << 20 };
+const LIMITS: Limits = Limits { time: Duration::from_secs(1800), output: 64 << 20, memory: None };
 /// Shown while that goes on.
 const STAGE: &str = "making the Python environment";
 /// Settings of pip that say where packages come from and how to get there. With hashes the source of the
@@ -37,17 +38,34 @@ const NETWORK: [&str; 16] = [
     "TRUSTED_HOST",
 ];
 
-/// Default folder of the virtual environment: `RAILSPRING_CACHE`, else the user's cache folder.
-pub fn cache_folder() -> PathBuf {
+/// Default folder of the virtual environment: `RAILSPRING_CACHE`, else the user's cache folder. It is never one in the working folder that was not named: what
+/// others have put there would be run.
+///
+/// # Errors
+/// [`InputError`] with key `cache folder` where no variable names an absolute path.
+pub fn cache_folder() -> Result<PathBuf> {
+    cache_folder_of(&|name| std::env::var_os(name))
+}
+
+fn cache_folder_of(variable: &dyn Fn(&str) -> Option<OsString>) -> Result<PathBuf> {
+    let given = |name: &str| variable(name).filter(|value| !value.is_empty()).map(PathBuf::from);
     let user = |name: &str, below: &[&str]| -> Option<PathBuf> {
-        let root = std::env::var_os(name).filter(|v: &OsString| !v.is_empty())?;
-        Some(below.iter().fold(PathBuf::from(root), |path, part| path.join(part)))
+        let root = given(name).filter(|root| root.is_absolute())?;
+        Some(below.iter().fold(root, |path, part| path.join(part)))
     };
-    user("RAILSPRING_CACHE", &[])
+    given("RAILSPRING_CACHE")
         .or_else(|| user("XDG_CACHE_HOME", &["railspring"]))
         .or_else(|| user("LOCALAPPDATA", &["railspring"]))
         .or_else(|| user("HOME", &[".cache", "railspring"]))
-        .unwrap_or_else(|| PathBuf::from(".railspring-cache"))
+        .ok_or_else(|| {
+            InputError::new(
+                "cache folder",
+                "(none: neither RAILSPRING_CACHE, XDG_CACHE_HOME nor HOME names one)",
+                "the folder of the user's caches",
+                "set HOME, or RAILSPRING_CACHE to a folder of your own",
+            )
+            .into()
+        })
 }
 
 pub(super) fn cache_error(cache: &Path, cause: &std::io::Error) -> InputError {
@@ -69,9 +87,8 @@ pub(super) fn interpreter(
 ) -> Result<PathBuf> {
     let name = format!("venv-{}", &blake3::hash(packages.as_bytes()).to_hex()[..12]);
     // of two commands at the same time one makes the environment and the other waits for it
-    let _one = std::fs::File::create(cache.join(format!("{name}.lock")))
-        .and_then(|file| file.lock().map(|()| file))
-        .map_err(|cause| cache_error(cache, &cause))?;
+    let _one =
+        plain_file::lock(&cache.join(format!("{name}.lock"))).map_err(|cause| cache_error(cache, &cause))?;
     let folder = cache.join(&name);
     let interpreter =
         if cfg!(windows) { folder.join("Scripts/python.exe") } else { folder.join("bin/python") };
@@ -93,7 +110,7 @@ pub(super) fn interpreter(
         })?;
     monitor.progress(STAGE, 0, 2)?;
     let lock = cache.join(format!("{name}.txt"));
-    std::fs::write(&lock, packages).map_err(|cause| cache_error(cache, &cause))?;
+    plain_file::write(&lock, packages.as_bytes()).map_err(|cause| cache_error(cache, &cause))?;
     let made = |program: &Path, arguments: &[&OsStr]| -> Result<()> {
         let mut command = isolated(program, place);
         keep_network_settings(&mut command);
@@ -114,7 +131,7 @@ pub(super) fn interpreter(
     let mut arguments: Vec<&OsStr> = install.split(' ').map(OsStr::new).collect();
     arguments.push(lock.as_os_str());
     made(&interpreter, &arguments)?;
-    std::fs::write(&complete, "").map_err(|cause| cache_error(cache, &cause))?;
+    plain_file::write(&complete, b"").map_err(|cause| cache_error(cache, &cause))?;
     monitor.progress(STAGE, 2, 2)?;
     Ok(interpreter)
 }

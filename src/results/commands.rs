@@ -9,7 +9,7 @@
 use std::path::Path;
 
 use railspring_calibrate::mesh::MeshSize;
-use railspring_profiles::error::{Error, InputError, Result};
+use railspring_profiles::error::{InputError, Result};
 use railspring_simulate::time::history::Ending;
 
 use crate::engine::list::NewFile;
@@ -66,9 +66,11 @@ pub struct Found {
 }
 
 impl Found {
-    /// Whether all is as it should be: every limit of the verdict, every run to its last step, every load of the springs.
+    /// Whether all is as it should be: every limit of the verdict, every run to its last step, every load of the springs, nothing left to
+    /// look at in a measured profile.
     pub fn holds(&self) -> bool {
-        let whole = || self.stiffness.as_ref().is_none_or(|stiffness| stiffness.loads_left_out() == 0);
+        let is_whole = |of: &StiffnessRecord| of.loads_left_out() == 0 && of.findings_left().is_empty();
+        let whole = || self.stiffness.as_ref().is_none_or(is_whole);
         let completed = self.runs.iter().all(|(_, run)| run.ending() == Some(Ending::Completed));
         completed && self.verdict.as_ref().map_or_else(whole, |verdict| verdict.holds)
     }
@@ -225,9 +227,11 @@ impl<'a> StudyRun<'a> {
         let geometry = self.solids.geometry()?;
         self.say_repairs(&geometry);
         let Resources { budget, interpreter, monitor } = self.solids.resources;
+        let memory = budget.bytes().map(|(bytes, _)| bytes);
         budget.check_sizes(&self.solids.input, &geometry, &Work::default())?;
         let options = zones::mesh_options(self.study.statics(), &geometry);
-        let meshes = meshes::meshes(self.study.statics(), &geometry, options, interpreter, monitor)?;
+        let meshes =
+            meshes::meshes(self.study.statics(), &geometry, options, (interpreter, memory), monitor)?;
         let address = Address::of(Kind::Meshes, &self.study.statics());
         let [of_rail, of_wheel] = [&self.study.rail.mesh, &self.study.wheel.mesh]
             .map(|file| file.as_ref().map_or(&[][..], |file| &file.groups));
@@ -394,7 +398,7 @@ impl<'a> StudyRun<'a> {
         keep: Option<&Path>,
     ) -> Result<CrosscheckRecord> {
         // first, so that whatever is missing is reported before anything is computed
-        let keep = keep.map(kept_in).transpose()?;
+        let keep = keep.map(|path| self.kept_in(path)).transpose()?;
         let solvers = Solvers::find(cases, calculix, &self.solids.resources)?;
         let (input, resources) = (CrosscheckInput::of(self.study), self.solids.resources);
         let record = self.engine.get(&mut Crosscheck { input, resources, cases, solvers: &solvers })?;
@@ -406,7 +410,7 @@ impl<'a> StudyRun<'a> {
     /// # Errors
     /// As [`StudyRun::crosscheck`], and [`InputError`] for a load case that the reference does not have.
     pub fn crosscheck_in_time(mut self, keep: Option<&Path>) -> Result<CrosscheckRecord> {
-        let keep = keep.map(kept_in).transpose()?;
+        let keep = keep.map(|path| self.kept_in(path)).transpose()?;
         let (input, resources) = (InTimeInput::of(self.study)?, self.solids.resources);
         let solvers = Solvers::find(&[], false, &resources)?;
         let record = self.engine.get(&mut CrosscheckInTime { input, resources, python: &solvers.python })?;
@@ -425,19 +429,9 @@ impl<'a> StudyRun<'a> {
         self.crosscheck_pages()?;
         Ok(record)
     }
-}
 
-/// Folder and name of the copy.
-fn kept_in(path: &Path) -> Result<(OutputFolder, String)> {
-    let refused = |value: String| {
-        InputError::new("--keep", value, "a file in a folder that can be written", "choose another one")
-    };
-    let name = path.file_name().filter(|_| !path.is_dir());
-    let name = name.ok_or_else(|| refused(path.display().to_string()))?.to_string_lossy().into_owned();
-    let parent = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let folder = OutputFolder::create(parent).map_err(|error| match error {
-        Error::Input(cause) => refused(cause.value).into(),
-        other => other,
-    })?;
-    Ok((folder, name))
+    /// Folder and name of the copy.
+    fn kept_in(&self, path: &Path) -> Result<(OutputFolder, String)> {
+        OutputFolder::of_file("--keep", path, self.engine.folder.inputs())
+    }
 }

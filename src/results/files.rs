@@ -44,6 +44,12 @@ impl ResultFile {
         Self { schema: Some(schema), ..self }
     }
 
+    /// Whether a command writes it.
+    pub fn is_made_by(&self, command: &str) -> bool {
+        let commands = self.made_by.split(" with ").next().unwrap_or_default();
+        commands == "all" || commands.split(", ").any(|name| name == command)
+    }
+
     /// Whether a file of an output folder is one of this kind.
     pub fn matches(&self, name: &str) -> bool {
         match self.name.split_once('*') {

@@ -157,8 +157,9 @@ impl<'a> Checker<'a> {
         findings: &mut Vec<Finding>,
     ) {
         let resolved = self.resolve(schema);
-        if *resolved == Value::Bool(true) {
-            return;
+        // any value that a key can have
+        if resolved.as_object().is_none_or(|schema| !DECIDE.iter().any(|word| schema.contains_key(*word))) {
+            return unholdable(value, path, offset, findings);
         }
         if let Some(options) =
             resolved.get("anyOf").or_else(|| resolved.get("oneOf")).and_then(Value::as_array)
@@ -287,6 +288,38 @@ impl<'a> Checker<'a> {
             "object" => "a section".into(),
             _ => "another value".into(),
         }
+    }
+}
+
+/// Words of a schema that say which values there are.
+const DECIDE: [&str; 7] = ["type", "anyOf", "oneOf", "enum", "const", "properties", "additionalProperties"];
+
+/// What no key can have, wherever it stands in a value: `nan`, `inf`, a date, a number that does not fit.
+fn unholdable(value: &DeValue<'_>, path: &str, offset: usize, findings: &mut Vec<Finding>) {
+    match value {
+        DeValue::Table(table) => {
+            for (key, inner) in table.iter() {
+                unholdable(inner.get_ref(), &join(path, key.get_ref()), key.span().start, findings);
+            }
+        }
+        DeValue::Array(items) => {
+            for (index, item) in items.iter().enumerate() {
+                unholdable(item.get_ref(), &format!("{path}[{index}]"), item.span().start, findings);
+            }
+        }
+        DeValue::Float(_) | DeValue::Integer(_) if accepts_value(&Value::Bool(true), value) => {}
+        DeValue::String(_) | DeValue::Boolean(_) => {}
+        DeValue::Float(_) | DeValue::Integer(_) | DeValue::Datetime(_) => findings.push(Finding {
+            offset: Some(offset),
+            key: None,
+            unknown: false,
+            error: InputError::new(
+                path,
+                render(value),
+                "a finite number, a text in quotes, true or false, or a list of these",
+                "correct the value",
+            ),
+        }),
     }
 }
 

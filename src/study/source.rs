@@ -1,6 +1,6 @@
 //! The text of a study file and the lines on which its keys stand.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -145,17 +145,26 @@ pub struct Source {
     path: Arc<Path>,
     hash: String,
     places: Arc<BTreeMap<String, Place>>,
+    /// The files that its texts name, from its folder.
+    named: Arc<BTreeSet<PathBuf>>,
 }
 
 /// Where keys stand, while they are collected.
 struct Noted<'a> {
     lines: &'a Lines,
     places: BTreeMap<String, Place>,
+    folder: &'a Path,
+    named: BTreeSet<PathBuf>,
 }
 
 impl Default for Source {
     fn default() -> Self {
-        Self { path: Arc::from(Path::new("")), hash: String::new(), places: Arc::default() }
+        Self {
+            path: Arc::from(Path::new("")),
+            hash: String::new(),
+            places: Arc::default(),
+            named: Arc::default(),
+        }
     }
 }
 
@@ -172,11 +181,19 @@ impl Noted<'_> {
         match value {
             DeValue::Table(inner) => self.table(inner, full),
             DeValue::Array(items) => {
-                let tables = items.iter().enumerate().filter(|(_, item)| item.get_ref().is_table());
-                for (index, item) in tables {
+                for (index, item) in items.iter().enumerate() {
                     let full = format!("{full}[{index}]");
-                    self.places.insert(full.clone(), self.lines.place(item.span().start));
+                    if item.get_ref().is_table() {
+                        self.places.insert(full.clone(), self.lines.place(item.span().start));
+                    }
                     self.value(item.get_ref(), &full);
+                }
+            }
+            // whatever its key is: a text that is the path of a file names it
+            DeValue::String(text) => {
+                let file = self.folder.join(text.as_ref());
+                if file.is_file() {
+                    self.named.insert(file);
                 }
             }
             _ => {}
@@ -187,9 +204,12 @@ impl Noted<'_> {
 impl Source {
     /// Remembers the places of all keys of a parsed document.
     pub(super) fn new(path: &Path, text: &str, lines: &Lines, document: &DeTable<'_>) -> Self {
-        let mut noted = Noted { lines, places: BTreeMap::new() };
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let mut noted = Noted { lines, places: BTreeMap::new(), folder, named: BTreeSet::new() };
         noted.table(document, "");
-        Self { path: Arc::from(path), hash: hash(text.as_bytes()), places: Arc::new(noted.places) }
+        let Noted { places, named, .. } = noted;
+        let hash = hash(text.as_bytes());
+        Self { path: Arc::from(path), hash, places: Arc::new(places), named: Arc::new(named) }
     }
 
     /// Holds what another source has alike together with it.
@@ -205,6 +225,11 @@ impl Source {
     /// BLAKE3 hash of the text, without the options beside it.
     pub fn hash(&self) -> &str {
         &self.hash
+    }
+
+    /// The file itself and the files that its texts name: all that is read with it.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        std::iter::once(self.path()).chain(self.named.iter().map(PathBuf::as_path))
     }
 
     /// The file.

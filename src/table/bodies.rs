@@ -35,6 +35,14 @@ pub(super) struct Body<'a> {
     pub metadata: Arc<Metadata>,
 }
 
+impl Body<'_> {
+    /// The files that its keys name, of the table at `table`.
+    pub fn files(&self, table: &Path) -> Vec<PathBuf> {
+        let texts = self.keys.values().filter_map(Value::as_str);
+        texts.map(|text| beside(table, text)).filter(|file| file.is_file()).collect()
+    }
+}
+
 /// The bodies of a table, and what there is to say of their files.
 pub(super) struct Bodies<'a> {
     pub wheels: Vec<Body<'a>>,
@@ -169,7 +177,7 @@ impl<'a> Entry<'a, '_> {
             return value.as_str().map(str::to_owned);
         }
         let place = format!("{}.{key}", self.place);
-        mistaken(InputError::new(place, value, "a text in quotes", "write a text"));
+        mistaken(InputError::new(place, &**value, "a text in quotes", "write a text"));
         None
     }
 
@@ -180,7 +188,8 @@ impl<'a> Entry<'a, '_> {
         file: Option<&KnownFile>,
         varied: &BTreeMap<&'a str, Value>,
     ) -> Body<'a> {
-        let mut keys: Map<String, Value> = self.keys.iter().map(|(k, v)| (k.clone(), v.clone())).collect();
+        let mut keys: Map<String, Value> =
+            self.keys.iter().map(|(k, v)| (k.clone(), v.clone().into())).collect();
         keys.retain(|key, _| !OF_THE_TABLE.contains(&key.as_str()));
         keys.extend(varied.iter().map(|(key, value)| ((*key).to_string(), value.clone())));
         if let Some((file, _)) = file {
@@ -219,8 +228,8 @@ pub(super) fn listed(names: &[String]) -> String {
 }
 
 /// Every choice of a value for each key.
-pub(super) fn product<'a>(
-    lists: impl Iterator<Item = (&'a str, &'a [Value])>,
+pub(super) fn product<'a, V: Clone + Into<Value> + 'a>(
+    lists: impl Iterator<Item = (&'a str, &'a [V])>,
 ) -> Vec<BTreeMap<&'a str, Value>> {
     let mut choices = vec![BTreeMap::new()];
     for (key, values) in lists {
@@ -229,7 +238,7 @@ pub(super) fn product<'a>(
             .flat_map(|choice| {
                 values.iter().map(move |value| {
                     let mut choice = choice.clone();
-                    choice.insert(key, value.clone());
+                    choice.insert(key, value.clone().into());
                     choice
                 })
             })

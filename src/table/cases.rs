@@ -1,16 +1,17 @@
 //! The cases of a table: each is a study, made of the keys of its wheel, its rail and all that is varied.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use railspring_profiles::error::InputError;
 use railspring_profiles::units::KILONEWTON;
+use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
 use super::bodies::{Bodies, product};
-use super::document::TableDocument;
+use super::document::{Keys, TableDocument};
 use super::files::beside;
 use super::metadata::Metadata;
 use super::pairs::{Pair, pairs};
@@ -72,6 +73,8 @@ pub struct Table {
     pub cases: Vec<Case>,
     /// What there is to say of the files of its folders.
     pub notices: Vec<String>,
+    /// The files that are read: its own, its base's, and those that their keys name.
+    pub files: Vec<PathBuf>,
 }
 
 impl Table {
@@ -127,8 +130,11 @@ impl Table {
         if !mistakes.is_empty() {
             return Err(Mistakes::sorted(mistakes));
         }
+        let named = bodies.wheels.iter().chain(&bodies.rails).flat_map(|body| body.files(path));
+        let given = source.files().chain(base.source.files()).map(Path::to_path_buf);
+        let files = given.chain(named).collect();
         let notices = bodies.notices;
-        Ok(Self { document, cases, notices })
+        Ok(Self { document, cases, notices, files })
     }
 }
 
@@ -152,7 +158,8 @@ impl Base {
         let text = text_of(&path, "study")?;
         // with all its keys as they are; what is wrong with them is said of the first case
         Study::parse(&path, &text)?;
-        let (mut keys, source) = parsed_plainly::<Map<String, Value>>(&path, &text)?;
+        let (keys, source) = parsed_plainly::<Keys>(&path, &text)?;
+        let mut keys: Map<String, Value> = keys.into_iter().map(|(key, value)| (key, value.into())).collect();
         keys.retain(|section, _| SECTIONS.contains(&section.as_str()));
         for body in ["rail", "wheel"] {
             let Some(keys) = keys.get_mut(body).and_then(Value::as_object_mut) else { continue };
@@ -245,7 +252,8 @@ fn case(
 ) -> Result<Case, Mistakes> {
     let mut keys = base.keys.clone();
     for (name, common) in &document.study {
-        section(&mut keys, name).extend(common.clone());
+        section(&mut keys, name)
+            .extend(common.iter().map(|(key, value)| (key.clone(), value.clone().into())));
     }
     section(&mut keys, "calibration").insert("shifts_mm".into(), Value::Array(Vec::new()));
     for (name, body) in [("wheel", wheel), ("rail", rail)] {
@@ -326,7 +334,7 @@ fn stand_in(
 }
 
 /// The text of a study with given keys.
-pub(super) fn text_of_keys(keys: &Map<String, Value>) -> String {
+pub(super) fn text_of_keys(keys: &impl Serialize) -> String {
     toml::to_string(keys).expect("keys of TOML files are TOML")
 }
 
@@ -367,7 +375,9 @@ fn relocated(mistake: &LocatedError, table: &Source, base: &Base, entries: [&Str
             .map(|rest| format!("{entry}.{rest}"))
     });
     let in_entry = of_body.filter(|place| table.gives(place) || !base.source.gives(&key));
-    if table.gives(&swept) {
+    if !key.contains('.') && table.gives(&key) {
+        // its own key, such as the name
+    } else if table.gives(&swept) {
         error.key = swept;
     } else if let Some(place) = in_entry {
         error.key = place;

@@ -2,13 +2,12 @@
 
 use std::collections::BTreeMap;
 use std::iter::once;
-use std::path::Path;
 
 use railspring_profiles::error::{InputError, Result};
 
+use super::earlier::Earlier;
 use super::rows::{INPUTS, Rows};
-use crate::engine::columns::{Cell, csv_of_texts};
-use crate::engine::output::read_text;
+use crate::engine::columns::{Cell, as_given, csv_of_texts};
 
 /// A value that is another one now.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,34 +39,24 @@ pub struct Changes {
     pub places_changed: usize,
 }
 
-/// Compares a table with the file of an earlier one.
+/// Compares a table with an earlier one.
 ///
 /// # Errors
-/// [`InputError`] for a file that is no table.
-pub fn since(earlier: &Path, now: &Rows) -> Result<Changes> {
+/// [`InputError`] for rows that are no table.
+pub fn since(earlier: &Earlier, now: &Rows) -> Result<Changes> {
     let refused = |value: String, expected: &str| {
         InputError::new(
-            earlier.display().to_string(),
+            earlier.path.display().to_string(),
             value,
             expected,
             "name a table.csv that `railspring table` has written",
         )
     };
-    let text = read_text(earlier, "table")?;
-    let mut reader = csv::Reader::from_reader(text.as_bytes());
+    let mut reader = csv::Reader::from_reader(earlier.text.as_bytes());
     let header: Vec<String> = match reader.headers() {
         Ok(header) => header.iter().map(str::to_owned).collect(),
         Err(cause) => return Err(refused(cause.to_string(), "a table in CSV").into()),
     };
-    if let Some(missing) =
-        ["wheel", "rail", "shift_mm", "status"].iter().find(|name| !header.iter().any(|h| h == *name))
-    {
-        return Err(refused(
-            format!("no column {missing:?}"),
-            "a table with the columns wheel, rail, shift_mm, status",
-        )
-        .into());
-    }
     // what comes before the contact angle says which place it is
     let end = |columns: &[String]| {
         columns.iter().position(|column| column == "contact_angle_deg").unwrap_or(columns.len())
@@ -100,7 +89,7 @@ pub fn since(earlier: &Path, now: &Rows) -> Result<Changes> {
     for row in reader.records() {
         let row =
             row.map_err(|cause| refused(cause.to_string(), "rows of as many fields as there are columns"))?;
-        let row: Vec<String> = row.iter().map(str::to_owned).collect();
+        let row: Vec<String> = row.iter().map(|cell| as_given(cell).to_owned()).collect();
         before.insert(place(&in_old, &row), row);
     }
     let mut changes = Changes { identity: identity.clone(), ..Changes::default() };

@@ -5,10 +5,11 @@ use std::collections::BTreeMap;
 use railspring_calibrate::pair::PressDirection;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
+
+use crate::study::KeyValue;
 
 /// Keys of a section of a study with their values; a list of values stands for as many cases.
-pub type Keys = BTreeMap<String, Value>;
+pub type Keys = BTreeMap<String, KeyValue>;
 
 /// A table: wheels and rails, what else is varied, and the places at which they are pressed together.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -54,7 +55,7 @@ pub struct TableDocument {
     pub rail: Vec<Keys>,
     /// Other keys of a study and the values that they take in turn, for instance `"contact.friction" = [0.2, 0.4]`.
     #[serde(default)]
-    pub sweep: BTreeMap<String, Vec<Value>>,
+    pub sweep: BTreeMap<String, Vec<KeyValue>>,
     /// Which wheel stands on which rail; left out, with neither `pairs_file` nor `case`, every wheel on every rail.
     #[serde(default)]
     pub pairs: Option<PairsKey>,

@@ -12,6 +12,7 @@ use super::making::PlaceRecord;
 use super::metadata::Metadata;
 use super::places::Place;
 use super::rows::Status;
+use crate::engine::seal::Sealed;
 use crate::study::{ResolvedKey, ResolvedKeys};
 
 /// The table with its provenance; borrowed where it is written, owned where it is read.
@@ -26,6 +27,18 @@ pub struct TableRecord<'a> {
     pub cases: Vec<CaseRecord<'a>>,
     /// Version of the program that made this.
     pub version: Cow<'a, str>,
+    /// Hashes (BLAKE3) of the files that were written with it, by their names.
+    #[serde(default)]
+    pub written: BTreeMap<String, String>,
+    /// Hash of all that stands above.
+    #[serde(default)]
+    pub content_blake3: String,
+}
+
+impl Sealed for TableRecord<'_> {
+    fn seal(&mut self) -> &mut String {
+        &mut self.content_blake3
+    }
 }
 
 /// A pair with its places.
@@ -80,8 +93,12 @@ pub struct PlaceEntry<'a> {
     pub record: Cow<'a, PlaceRecord>,
 }
 
-/// The record of a table whose places are in the order of its cases.
-pub fn record<'a>(table: &'a Table, places: &'a [(Place, PlaceRecord)]) -> TableRecord<'a> {
+/// The record of a table whose places are in the order of its cases; `written` are the hashes of the files beside it.
+pub fn record<'a>(
+    table: &'a Table,
+    places: &'a [(Place, PlaceRecord)],
+    written: BTreeMap<String, String>,
+) -> TableRecord<'a> {
     let entry = |(place, record): &'a (Place, PlaceRecord)| PlaceEntry {
         side: place.side,
         shift_mm: place.shift_mm,
@@ -112,10 +129,13 @@ pub fn record<'a>(table: &'a Table, places: &'a [(Place, PlaceRecord)]) -> Table
             places: own.iter().map(entry).collect(),
         });
     }
-    TableRecord {
+    let record = TableRecord {
         table: Cow::Borrowed(&table.document),
         keys: common.into_iter().cloned().collect(),
         cases,
         version: env!("CARGO_PKG_VERSION").into(),
-    }
+        written,
+        content_blake3: String::new(),
+    };
+    record.sealed()
 }

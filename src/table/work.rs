@@ -8,10 +8,9 @@ use base64::engine::general_purpose::STANDARD;
 use railspring_profiles::error::{InputError, Result, or_reason};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value};
 
 use super::cases::{Case, Table, text_of_keys};
-use super::document::{BodiesKey, DirectionKey};
+use super::document::{BodiesKey, DirectionKey, Keys};
 use super::making::{BodyOfCase, CaseWork, Settings};
 use super::shared::{Common, nominal, shares};
 use crate::engine::store::Store;
@@ -41,7 +40,7 @@ pub struct Package {
 #[serde(deny_unknown_fields)]
 struct SentCase {
     /// The keys of the study; files are named as in `files`.
-    keys: Map<String, Value>,
+    keys: Keys,
     /// Content of the files (base64).
     files: BTreeMap<String, String>,
     /// Hash of what springs depend on: the study must be the same there.
@@ -155,6 +154,7 @@ impl SentCase {
                 send(section, "section_file", &own.path, &own.content);
             }
         }
+        let keys = toml::from_str(&text_of_keys(&keys)).expect("the keys of a case are keys");
         Self { keys, files, springs: key(&case.study.statics()) }
     }
 

@@ -7,6 +7,7 @@ use railspring::cli::output::say;
 use railspring::cli::progress::Progress;
 use railspring::cli::set_args::SetArgs;
 use railspring::cli::{Failure, positive, take_threads};
+use railspring::engine::inputs::Inputs;
 use railspring::engine::output::OutputFolder;
 use railspring::results::bodies::estimate::{Budget, Resources};
 use railspring::results::run::input::SpringsInput;
@@ -130,7 +131,7 @@ pub fn run(command: &BenchCommand) -> Result<(), Failure> {
 fn moving(args: &MovingArgs, study: &Study) -> Result<(), Error> {
     let read = |file: &PathBuf| springs::element_of(&SpringsInput::of(study), file);
     let given = args.element.as_ref().map(read).transpose()?;
-    let folder = OutputFolder::create(&args.output)?;
+    let folder = OutputFolder::create(&args.output, &Inputs::none())?;
     let _claim = folder.claim()?;
     let progress = Progress::new(args.quiet);
     let (element, others) = match args.peers {
@@ -177,7 +178,7 @@ fn table(record: &StepTimesRecord) -> Vec<String> {
 
 /// Sweeps the solid model of a study.
 fn solid(args: &SolidArgs, study: &Study) -> Result<(), Error> {
-    let folder = OutputFolder::create(&args.output)?;
+    let folder = OutputFolder::create(&args.output, &Inputs::none())?;
     take_threads(args.threads)?;
     let _claim = folder.claim()?;
     let progress = Progress::new(args.quiet);

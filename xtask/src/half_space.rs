@@ -15,6 +15,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use railspring::cli::output::say;
 use railspring::cli::progress::Progress;
+use railspring::engine::inputs::Inputs;
 use railspring::engine::output::OutputFolder;
 use railspring_profiles::error::Result;
 use railspring_profiles::monitor::Monitor;
@@ -51,7 +52,7 @@ pub struct HalfSpaceArgs {
 /// Tables that are missing or wrong, a pair that cannot be pressed, an interruption.
 pub fn run(args: &HalfSpaceArgs) -> Result<bool> {
     let cases = facts::read(&folder(args.facts.as_deref()))?;
-    let output = OutputFolder::create(&args.output)?;
+    let output = OutputFolder::create(&args.output, &Inputs::none())?;
     let _claim = output.claim()?;
     let progress = Progress::new(args.quiet);
     let mut comparison = Comparison::new(args.from);

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::{Args, Command};
 use railspring::cli::output::say;
 use railspring::cli::{EXIT_CODES, command};
+use railspring::engine::inputs::Inputs;
 use railspring::engine::output::OutputFolder;
 use railspring::results::files::{RESULT_FILES, ResultFile};
 use railspring::study::sections;
@@ -29,7 +30,7 @@ pub struct ReferenceArgs {
 /// # Errors
 /// A folder that cannot be written.
 pub fn write(args: &ReferenceArgs) -> Result<(), Error> {
-    let folder = OutputFolder::create(&args.output)?;
+    let folder = OutputFolder::create(&args.output, &Inputs::none())?;
     let pages = [
         ("reference-keys.md", keys()),
         ("reference-commands.md", commands()),

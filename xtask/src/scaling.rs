@@ -149,8 +149,9 @@ fn size(sizes: &mut Sizes<'_>, wanted: usize, resources: &Resources<'_>) -> Resu
     let refined = sizes.refinement(wanted, monitor)?;
     let Sizes { study, geometry, options, .. } = *sizes;
     let options = options.with_bodies_refined(refined);
-    let (meshes, mesh) =
-        parts::timed("mesh", || meshes::meshes(study.statics(), geometry, options, interpreter, monitor))?;
+    let (meshes, mesh) = parts::timed("mesh", || {
+        meshes::meshes(study.statics(), geometry, options, (interpreter, None), monitor)
+    })?;
     let solids = solids::solids(study.statics(), geometry, &meshes);
     let modes = study.solid.modes.unwrap_or(START_MODES);
     let ordered = parts::Ordered::both(&solids, modes, monitor)?;

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use railspring::engine::inputs::Inputs;
 use railspring::engine::output::OutputFolder;
 use railspring::results::bodies::estimate::Resources;
 use railspring::results::study_run::StudyRun;
@@ -232,7 +233,7 @@ fn both_contact_elements_are_timed() {
     let load_case = "[scenario.one]\nsteps = 3\nvertical_force = { mean_kn = 50 }\nlateral_force = {}\n";
     let calibrate = |text: &str, out: &str| {
         let study = Study::parse(Path::new("study.toml"), text).unwrap();
-        let folder = OutputFolder::create(&root.path().join(out)).unwrap();
+        let folder = OutputFolder::create(&root.path().join(out), &Inputs::none()).unwrap();
         let pipeline = StudyRun::new(&study, &folder, Resources::of_the_machine(&Silent));
         pipeline.calibrate().unwrap_or_else(|e| panic!("{e}"));
         format!("{out}/stiffness_by_angle.json")

@@ -57,6 +57,9 @@ impl BeamCorrection {
     }
 }
 
+/// Length from which a rail of steel bends as a beam, m.
+const LONG_ENOUGH: f64 = 0.4;
+
 fn too_short(length: f64, factor: f64) -> InputError {
     InputError::new(
         InputField::RailLength,
@@ -64,7 +67,13 @@ fn too_short(length: f64, factor: f64) -> InputError {
         format!(
             "a rail that bends as a beam; this one would need its shear or torsion stiffness times {factor:.2} (0.5 to 2 are sound)"
         ),
-        "take a rail of 0.4 m or longer, or another reference than the beam",
+        match length < LONG_ENOUGH {
+            true => "take a rail of 0.4 m or longer, or another reference than the beam",
+            false => {
+                "the rail is long enough: its elements may be too stiff. Take finer ones, elements that do not lock near a Poisson's ratio of 0.5 \
+                 (fully integrated ones do), or another reference than the beam"
+            }
+        },
     )
 }
 

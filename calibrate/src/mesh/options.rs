@@ -175,6 +175,24 @@ impl MeshOptions {
                 );
             }
         }
+        let (layers, first) = self.layering();
+        let depth = layer_depth(first, self.layer_growth, layers);
+        if depth.is_nan() || depth > LARGEST_LAYERED {
+            return InputError::refuse(
+                if self.layers.is_some() { InputField::Layers } else { InputField::FirstLayer },
+                format!("{layers} layers, the first {} mm, together {:.3e} mm", first * 1e3, depth * 1e3),
+                format!(
+                    "layers of {} mm together at most: heads and rims have no more room",
+                    LARGEST_LAYERED * 1e3
+                ),
+                format!(
+                    "take fewer `{}`, a smaller `{}` or less `{}`",
+                    InputField::Layers,
+                    InputField::FirstLayer,
+                    InputField::LayerGrowth
+                ),
+            );
+        }
         let ratios = [
             (InputField::LayerGrowth, self.layer_growth, 1.0),
             (InputField::Growth, self.growth, 1.0),
@@ -210,6 +228,8 @@ const LARGEST_PARTS: [f64; 2] = [0.575, 0.4];
 const LARGEST_FIRST_LAYER: f64 = 2e-3;
 /// Least depth of layers whose number follows, m: two layers under elements of 2 mm are 4.5 mm.
 const LEAST_DEPTH: f64 = 4e-3;
+/// Largest depth of the layers, m: a head is 30 to 50 mm high, and a rim as thick where it is worn.
+const LARGEST_LAYERED: f64 = 30e-3;
 /// More layers do not follow: the smallest elements that are accepted need as many.
 const MOST_LAYERS: usize = 80;
 /// Largest growth accepted.

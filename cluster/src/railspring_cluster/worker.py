@@ -3,6 +3,7 @@
 import asyncio
 import json
 import os
+import re
 import shutil
 import subprocess
 import tempfile
@@ -125,7 +126,12 @@ async def lose_silent(silence: float, dask_scheduler: Any) -> list[str]:
 
 
 def put(folder: Path, name: str, content: bytes) -> None:
-    """Writes an entry of a store, complete or not at all."""
+    """Writes an entry of a store, complete or not at all.
+
+    The name comes from another machine: what is no entry's name is refused, so that nothing is written elsewhere.
+    """
+    if not re.fullmatch(r"[a-z-]{1,40}-[0-9a-f]{64}\.artefact", name):
+        raise OSError(f"a worker sent {name!r}, which is no entry of a store")
     target = folder / name
     try:
         if target.stat().st_size == len(content):

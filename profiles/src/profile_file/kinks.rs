@@ -12,6 +12,10 @@ use crate::units::MILLIMETRE;
 const GAP_TO_STEP: f64 = 20.0;
 /// ... and at least this long, m.
 const SMALLEST_GAP: f64 = 0.5 * MILLIMETRE;
+/// No step of a measurement is longer than this, m, ...
+const LONGEST_STEP: f64 = 3.0 * MILLIMETRE;
+/// ... or has an arc this far off its chord, m, however long the other steps are: 1.6 mm among equal steps on an arc of 13 mm, 2.3 mm among short ones.
+const FARTHEST_ARC: f64 = 0.05 * MILLIMETRE;
 /// A step of this length is one as well, m, ...
 const LONG_GAP: f64 = 2.5 * MILLIMETRE;
 /// ... and one whose chord may be this far off the line between its ends, m, ...
@@ -24,8 +28,10 @@ const STRAIGHT: f64 = 1.0;
 const AS_LONG: f64 = 3.0;
 /// Steps of y are equal if all but a tenth at either end differ by less than this part of their median, ...
 const EQUAL: f64 = 0.2;
-/// ... and no row is missing where a step of y is at most so many times as long.
+/// ... and no row is missing where a step of y is at most so many times as long ...
 const ONE_STEP: f64 = 1.5;
+/// ... and the line no longer than the face of a flange or the side of a head is steep, m.
+const LONGEST_ROW: f64 = 10.0 * MILLIMETRE;
 /// Smallest length over which the direction beside a corner is taken, m.
 const WINDOW: f64 = 1.0 * MILLIMETRE;
 /// Points on either side of a corner that the direction is taken over at least.
@@ -37,8 +43,8 @@ const KINK_TO_SCATTER: f64 = 12.0;
 /// Share of the turn within the window that is at the corner itself.
 const CONCENTRATED: f64 = 0.7;
 
-/// Reports long steps between neighbours; steps along a straight line that are as long as those beside
-/// them are none, and neither is one step of y among equal ones, however steep.
+/// Reports long steps between neighbours, by their length alone, by what they may hide, and beside the other steps. Steps up to the absolute limit are none
+/// along a straight line where those beside them are as long, and no step is one of y among equal ones, however steep.
 pub(super) fn report_gaps(points: &[MeasuredPoint], findings: &mut Vec<Finding>) {
     let chords: Vec<Vector2<f64>> = points.windows(2).map(|w| w[1].point - w[0].point).collect();
     let median = median(chords.iter().map(|chord| chord.norm()).collect());
@@ -58,11 +64,10 @@ pub(super) fn report_gaps(points: &[MeasuredPoint], findings: &mut Vec<Finding>)
         let straight = |other: &&Vector2<f64>| {
             turn(**other, *chord).abs() < STRAIGHT && length <= AS_LONG * other.norm()
         };
-        let next_row = equal && chord.x.abs() <= ONE_STEP * across_median;
-        if (long || length > SMALLEST_GAP.max(GAP_TO_STEP * median))
-            && !next_row
-            && !beside.iter().any(straight)
-        {
+        let next_row = equal && chord.x.abs() <= ONE_STEP * across_median && length <= LONGEST_ROW;
+        let beside_others =
+            (long || length > SMALLEST_GAP.max(GAP_TO_STEP * median)) && !beside.iter().any(straight);
+        if !next_row && (beside_others || length > LONGEST_STEP || hidden > FARTHEST_ARC) {
             let text = "no points in between: bridged by the spline";
             let lines = (points[i].line, points[i + 1].line);
             gaps.add(lines, (length / MILLIMETRE, "mm"), Action::Left, text);
@@ -119,12 +124,17 @@ fn direction(points: &[MeasuredPoint], i: usize, side: isize) -> Vector2<f64> {
 const GAUGE_DEPTH: f64 = 16.0 * MILLIMETRE;
 /// Distance from the crown's top that a rail has to reach on the field side, m.
 const FIELD_REACH: f64 = 20.0 * MILLIMETRE;
+/// Distance from the top at which the head of a rail is looked at, m, ...
+const BESIDE_TOP: f64 = 8.0 * MILLIMETRE;
+/// ... where it lies lower than the top by no more than this, m, as a circle of 40 mm does; heads have radii of 80 mm and more there.
+const ROUNDEST: f64 = 0.8 * MILLIMETRE;
 /// Where a wheel has to begin and to end, m from the tape circle.
 const WHEEL_RANGE: (f64, f64) = (-0.040, 0.030);
 
 /// Reports a profile that does not cover the range in which wheel and rail touch.
 pub(super) fn report_range(kind: ProfileKind, points: &[MeasuredPoint], findings: &mut Vec<Finding>) {
     let (first, last) = (&points[0], &points[points.len() - 1]);
+    let mut round = None;
     let mut short = Findings::new(findings, FindingKind::TooShort);
     match kind {
         ProfileKind::Rail => {
@@ -134,6 +144,17 @@ pub(super) fn report_range(kind: ProfileKind, points: &[MeasuredPoint], findings
                 let text =
                     "depth reached on the gauge side: 16 mm are needed to find gauge and flange contact";
                 short.add((first.line, first.line), (depth / MILLIMETRE, "mm"), Action::Left, text);
+            }
+            let lower = |side: f64| {
+                let beyond = points.iter().filter(|p| side * (p.point.x - top.point.x) >= BESIDE_TOP);
+                beyond.map(|p| p.point.y - top.point.y).fold(f64::INFINITY, f64::min)
+            };
+            let least = lower(-1.0).min(lower(1.0));
+            if least.is_finite() && least > ROUNDEST {
+                let text = "how far the head lies lower 8 mm beside its top: rounder than any rail, whose heads fall by 0.4 mm at most there";
+                round = Some(
+                    Finding::new(FindingKind::Shape, Action::Left, text).with_value(least / MILLIMETRE, "mm"),
+                );
             }
             let reach = last.point.x - top.point.x;
             if reach < FIELD_REACH {
@@ -152,4 +173,6 @@ pub(super) fn report_range(kind: ProfileKind, points: &[MeasuredPoint], findings
             }
         }
     }
+    drop(short);
+    findings.extend(round);
 }

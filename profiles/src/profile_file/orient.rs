@@ -34,6 +34,10 @@ const FARTHEST: f64 = 10.0;
 const TIP: std::ops::RangeInclusive<f64> = -0.070..=-0.040;
 /// A tread further than this from the origin at the tape circle is moved there, m.
 const ORIGIN: f64 = 5.0 * MILLIMETRE;
+/// Distance from the tape circle over which the height of the tread there is compared with that of its middle point, m, ...
+const ABOUT_TAPE: f64 = 12.0 * MILLIMETRE;
+/// ... from which it is no further on any tread, m: 1.5 mm in one that is hollow by 3 mm.
+const OFF_TREAD: f64 = 2.0 * MILLIMETRE;
 /// A tread nearer than this to the origin needs no remark, m.
 const AT_ORIGIN: f64 = 0.5 * MILLIMETRE;
 
@@ -398,7 +402,18 @@ fn place_wheel(raw: &mut Raw, tape_circle: f64) {
     let Some([a, b]) = crossing.map(|pair| [pair[0].point, pair[1].point]) else {
         return;
     };
-    let height = a.y + (b.y - a.y) * (0.0 - a.x) / (b.x - a.x);
+    let crossing = a.y + (b.y - a.y) * (0.0 - a.x) / (b.x - a.x);
+    let beside = sound.iter().filter(|p| p.point.x.abs() <= ABOUT_TAPE).map(|p| p.point.y);
+    let level = median(beside.chain([crossing]).collect());
+    let astray = (crossing - level).abs() > OFF_TREAD;
+    // Several points that are off look like a line to their neighbours; the tread about them does not follow it.
+    let height = if astray { level } else { crossing };
+    if astray {
+        let text =
+            "the points at the tape circle are off the tread about them, whose height is taken: check them";
+        let off = (crossing - level) / MILLIMETRE;
+        raw.findings.push(Finding::new(FindingKind::Spike, Action::Left, text).with_value(off, "mm"));
+    }
     let finding =
         |action, text| Finding::new(FindingKind::Origin, action, text).with_value(height / MILLIMETRE, "mm");
     if height.abs() > ORIGIN && from_back {

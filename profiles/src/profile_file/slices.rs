@@ -53,10 +53,7 @@ pub(super) fn choose(
     let unit = if kind == ProfileKind::Rail { "mm" } else { "rad" };
     let index = index(&name, &slices, unit, part)?;
     let slice = &slices[index];
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let as_written = folder.join(&slice.file);
-    // Lists from Windows have its separators.
-    let file = if as_written.exists() { as_written } else { folder.join(slice.file.replace('\\', "/")) };
+    let file = beside(path, &slice.file);
     let content = input::read(&file, LARGEST_FILE).map_err(|cause| {
         let value = format!("\"{}\" ({cause})", shown(&slice.file));
         let remedy = "keep the folder of the slices beside the list";
@@ -77,6 +74,24 @@ pub(super) fn choose(
     );
     let action = if steps_back { Action::Left } else { Action::Noted };
     Ok((file, content, Finding::new(FindingKind::PassedOver, action, text)))
+}
+
+/// The files of the slices that the list at `path` names; none where it is no list of slices, or not understood.
+pub fn slice_files(path: &Path) -> Vec<PathBuf> {
+    if kind(path).is_none() {
+        return Vec::new();
+    }
+    let name = path.display().to_string();
+    let listed = || parse(&name, &decode(&name, &input::read(path, LARGEST_FILE).ok()?).ok()?).ok();
+    listed().unwrap_or_default().iter().map(|slice| beside(path, &slice.file)).collect()
+}
+
+/// The file of a slice, which is named from the folder of the list.
+fn beside(path: &Path, file: &str) -> PathBuf {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let as_written = folder.join(file);
+    // Lists from Windows have its separators.
+    if as_written.exists() { as_written } else { folder.join(file.replace('\\', "/")) }
 }
 
 fn parse(name: &str, text: &str) -> Result<Vec<Slice>> {

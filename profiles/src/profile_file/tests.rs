@@ -299,6 +299,91 @@ fn gaps_corners_and_missing_ends_are_reported() {
     assert!(short.iter().any(|f| f.lines == Some((190, 190))), "{short:?}");
 }
 
+/// Source: the head and the wheel of these tests, every 0.25 and 1 mm, without their points over a length of 4, 8 and 14 mm anywhere but at the ten points of either
+/// end. Goal: every hole is a finding that is left, with its length within two steps, and nothing else is; steps of 1 mm throughout are none.
+#[test]
+fn holes_are_found_wherever_they_are() {
+    for (points, every, unit) in [(head_points(), 1, 0.25), (head_points(), 4, 1.0), (wheel_points(), 2, 1.0)]
+    {
+        let mut looked_at = 0;
+        let whole: Vec<_> = points.into_iter().step_by(every).collect();
+        assert_eq!(only(&prepared(&file(&whole)).findings, FindingKind::Gap).len(), 0);
+        for length in [4.0, 8.0, 14.0] {
+            let missing = (length / unit) as usize;
+            for from in (10..whole.len() - missing - 10).step_by(3) {
+                let holed: Vec<_> = whole[..from].iter().chain(&whole[from + missing..]).copied().collect();
+                let options = ReadOptions { unit: Some(MILLIMETRE), ..ReadOptions::default() };
+                let profile = parse("x.txt", file(&holed).as_bytes(), &options).unwrap();
+                // refused is no silent hole: the flange of these tests bends too much where few points are left
+                let Ok(found) = prepare(&profile, &PrepareOptions::default()) else { continue };
+                looked_at += 1;
+                let found = found.findings;
+                let gaps = only(&found, FindingKind::Gap);
+                let ends = [holed[from - 1], holed[from]];
+                let expected = (ends[1].0 - ends[0].0).hypot(ends[1].1 - ends[0].1);
+                let [gap] = gaps[..] else { panic!("{length} mm from {:?}: {found:?}", ends[0]) };
+                assert!((gap.value.unwrap().0 - expected).abs() < 0.1 * unit && gap.action == Action::Left);
+                assert_eq!(gap.lines, Some((from, from + 1)));
+            }
+        }
+        assert!(looked_at > 40, "{looked_at}");
+    }
+}
+
+/// Source: the wheel of these tests from its flange back, with one to twelve points about the tape circle off by up to 100 mm. Goal: the wheel does not
+/// move by more than 1 mm, whether the points are dropped as spikes or left, and where they are left that is said. Accuracy: the tread's slope of 3 %
+/// over the 12 points.
+#[test]
+fn points_off_at_the_tape_circle_do_not_move_the_wheel() {
+    let rows = |off: f64, from: usize, count: usize| -> String {
+        let at = |i: usize| (from..from + count).contains(&i);
+        let points = wheel_points().into_iter().enumerate();
+        file(&points.map(|(i, (y, z))| (y + 70.0, if at(i) { z + off } else { z })).collect::<Vec<_>>())
+    };
+    let text = |rows: String| format!("ColumnDef=X,Y\n\n{rows}");
+    let parsed = |text: &str| parsed("x.whl", text).unwrap();
+    let flange = |profile: &MeasuredProfile| profile.points[0].point.y / MILLIMETRE;
+    let sound = flange(&parsed(&text(rows(0.0, 0, 0))));
+    for off in [-100.0, -40.0, -10.0, -6.0, 6.0, 10.0, 40.0, 100.0] {
+        for count in [1, 2, 3, 4, 6, 12] {
+            for before in 0..count {
+                let profile = parsed(&text(rows(off, 140 - before, count)));
+                let moved = flange(&profile) - sound;
+                assert!(
+                    moved.abs() < 1.0,
+                    "{count} points off by {off} mm: {moved} mm, {:?}",
+                    profile.findings
+                );
+                let prepared = prepare(&profile, &PrepareOptions::default());
+                let said = |findings: &[Finding]| only(findings, FindingKind::Spike).len();
+                assert!(prepared.is_err() || said(&prepared.unwrap().findings) > 0, "{count} {off}");
+            }
+        }
+    }
+}
+
+/// Source: the head of these tests with its last, its last but one, its first or its second point off by up to 24 mm, up, down or inwards. Goal: of two candidates
+/// at an end the one that is off goes, and the sound one stays; one that the line could lead to stays beyond a gap that is left to look at.
+#[test]
+fn the_outlier_goes_at_an_end() {
+    let whole = head_points();
+    let n = whole.len();
+    for at in [0, 1, n - 2, n - 1] {
+        let inward = if at < 2 { 12.0 } else { -12.0 };
+        for off in [(0.0, 24.0), (0.0, -24.0), (0.0, -5.0), (inward, 0.0), (0.25 * inward, -8.0)] {
+            let mut points = whole.clone();
+            points[at] = (points[at].0 + off.0, points[at].1 + off.1);
+            let found = prepared(&file(&points));
+            let lines: Vec<usize> = found.points.iter().map(|p| p.line).collect();
+            let expected: Vec<usize> = (1..=n).filter(|line| *line != at + 1).collect();
+            let beyond = only(&found.findings, FindingKind::Gap).iter().any(|gap| gap.action == Action::Left);
+            let sound: Vec<usize> = lines.iter().copied().filter(|line| *line != at + 1).collect();
+            assert_eq!(sound, expected, "point {at} off by {off:?}: {:?}", found.findings);
+            assert!(lines == expected || beyond, "point {at} off by {off:?}: {:?}", found.findings);
+        }
+    }
+}
+
 /// Source: points that alternate by 5 µm along the normal, whose fourth differences are 16·5 µm/√70 = 9.56 µm each; as the
 /// three quarters of a normal variable that count have a mean square of 0.368, that is a scatter of 9.56/√0.368 = 15.8 µm.
 /// Goal: what was measured and done is said, µm: by default, with a length of one's own, and without smoothing.

@@ -26,6 +26,8 @@ const SCALE: f64 = 0.1 * MILLIMETRE;
 const WITHIN: f64 = 0.2 * MILLIMETRE;
 /// Share of the profile off a standard from which its sides are looked at.
 const MOSTLY: f64 = 0.5;
+/// A line within this of a straight one is a face, which lies on many standards and tells none, m.
+const STRAIGHT: f64 = 1.0 * MILLIMETRE;
 /// Standards that a message names.
 const NAMED: usize = 3;
 /// A section lies as it says.
@@ -154,7 +156,7 @@ pub fn in_words(misfits: &[Misfit]) -> String {
     misfits.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
 }
 
-/// The standards by their misfit, the nearest first ([`Misfit`]); of one kind if `kind` is given.
+/// The standards by their misfit, the nearest first ([`Misfit`]); of one kind if `kind` is given; none for a straight line, which lies on the faces of many.
 ///
 /// # Errors
 /// As [`place`].
@@ -163,6 +165,9 @@ pub fn nearest(
     kind: Option<ProfileKind>,
     options: PlaceOptions,
 ) -> Result<Vec<Misfit>> {
+    if is_straight(points) {
+        return Ok(Vec::new());
+    }
     let rails = RAIL_NAMES.iter().map(|&name| (name, ProfileKind::Rail));
     let wheels = WHEEL_NAMES.iter().map(|&name| (name, ProfileKind::Wheel));
     let standards: Vec<_> = rails.chain(wheels).filter(|(_, k)| kind.is_none_or(|kind| kind == *k)).collect();
@@ -184,6 +189,13 @@ pub fn nearest(
         .collect::<Vec<_>>();
     found.sort_by(|a, b| a.rank().total_cmp(&b.rank()));
     Ok(found)
+}
+
+/// Whether points lie on a straight line.
+fn is_straight(points: &[Point2<f64>]) -> bool {
+    let (Some(first), Some(last)) = (points.first(), points.last()) else { return true };
+    let chord = last - first;
+    points.iter().all(|p| chord.perp(&(p - first)).abs() <= STRAIGHT * chord.norm())
 }
 
 /// Root mean square of the distances over what wear leaves alone, m.

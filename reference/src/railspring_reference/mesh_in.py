@@ -114,11 +114,37 @@ def read(path: Path) -> meshio.Mesh:
         reader = READERS.get(path.suffix.lower(), meshio.read)
         # meshio prints what it could not read, and ends the program
         with contextlib.redirect_stdout(sys.stderr), ONE_FILE.only(path):
-            return reader(path)
+            mesh = reader(path)
+        numbered(mesh, path)
+        return mesh
     except Refused:
         raise
     except (SystemExit, Exception) as error:  # readers stumble over broken files in many ways
         raise unreadable(path, error) from None
+
+
+def numbered(mesh: meshio.Mesh, path: Path) -> None:
+    """Refuses cells and groups with numbers that no node or cell has: -1 would be the last one without a word."""
+
+    def within(numbers: Any, count: int, what: str, of: str) -> None:
+        given = np.asarray(numbers)
+        outside = given[(given < 0) | (given >= count)] if given.size and given.dtype.kind in "iuf" else given[:0]
+        if outside.size:
+            raise Refused(
+                "mesh_file",
+                f'"{path.name}" ({what} with {of} number {outside.ravel()[0]})',
+                f"numbers of the {count} {of}s that the file has, counted from 0",
+                "correct the number, or write the mesh again",
+            )
+
+    for block in mesh.cells:
+        within(block.data, len(mesh.points), f"a {block.type}", "node")
+    for name, nodes in mesh.point_sets.items():
+        within(nodes, len(mesh.points), f'the node set "{name}"', "node")
+    for name, blocks in mesh.cell_sets.items():
+        for block, cells in zip(mesh.cells, blocks, strict=False):
+            if cells is not None:
+                within(cells, len(block.data), f'the element set "{name}"', "cell")
 
 
 def unreadable(path: Path, error: BaseException) -> Refused:

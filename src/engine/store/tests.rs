@@ -21,7 +21,7 @@ fn put(store: &Store, inputs: &str) -> Address {
 fn taken(store: &Store, address: &Address) -> Option<Artefact> {
     match store.take(address) {
         Found::Whole(artefact) => Some(artefact),
-        Found::Damaged(_) | Found::Nothing => None,
+        Found::Damaged(_) | Found::Unsigned | Found::Nothing => None,
     }
 }
 
@@ -37,6 +37,58 @@ fn what_was_put_is_taken() {
     }
     let other_program = Address::by(Kind::SimpleRun, &"x", "another program");
     assert!(matches!(store.take(&other_program), Found::Nothing));
+}
+
+/// Goal: with a key only entries that it has signed are taken: one without a signature, one of another key and one whose content and hash were forged are not, and stay
+/// for others; without a key a signed entry is taken. A file that is no secret is no key.
+#[test]
+fn only_signed_entries_are_taken_with_a_key() {
+    let (root, store) = store();
+    let key = |name: &str, content: &[u8]| {
+        let path = root.path().join(name);
+        std::fs::write(&path, content).unwrap();
+        StoreKey::read(&path)
+    };
+    let own = || Store::open(store.path()).unwrap().signed_with(Some(key("own", &[7; 32]).unwrap()));
+    let other = Store::open(store.path()).unwrap().signed_with(Some(key("other", &[8; 32]).unwrap()));
+    let address = put(&store, "x");
+    assert!(matches!(own().take(&address), Found::Unsigned) && taken(&store, &address).is_some());
+    put(&other, "x");
+    assert!(matches!(own().take(&address), Found::Unsigned));
+    put(&own(), "x");
+    assert_eq!((taken(&own(), &address), taken(&store, &address)), (Some(artefact()), Some(artefact())));
+    assert!(matches!(other.take(&address), Found::Unsigned));
+    // another content with its own hash, under the signature of the first
+    let path = store.folder.file(&address.file());
+    let signed = std::fs::read(&path).unwrap();
+    let line = String::from_utf8(signed.iter().copied().take_while(|byte| *byte != b'\n').collect()).unwrap();
+    let signature = line.rsplit(' ').next().unwrap();
+    let forged = encode(&address, "forged", "coarse", &artefact(), None);
+    let end = forged.iter().position(|byte| *byte == b'\n').unwrap();
+    let forged = [&forged[..end], b" ", signature.as_bytes(), &forged[end..]].concat();
+    std::fs::write(&path, forged).unwrap();
+    assert!(matches!(own().take(&address), Found::Unsigned) && taken(&store, &address).is_some());
+    assert!(key("short", &[7; 31]).unwrap_err().to_string().contains("31 bytes"));
+    assert!(StoreKey::read(&root.path().join("missing")).is_err());
+}
+
+/// Goal: an entry that is a link, also to a device that never ends, or a pipe is damaged and goes; what a link leads to stays.
+#[cfg(unix)]
+#[test]
+fn an_entry_that_is_no_regular_file_goes() {
+    let (root, store) = store();
+    let address = put(&store, "x");
+    let path = store.folder.file(&address.file());
+    let whole = root.path().join("whole");
+    std::fs::copy(&path, &whole).unwrap();
+    for target in [Path::new("/dev/zero"), &whole] {
+        std::fs::remove_file(&path).unwrap();
+        std::os::unix::fs::symlink(target, &path).unwrap();
+        assert!(!store.has(&address));
+        assert!(matches!(store.take(&address), Found::Damaged(_)));
+        assert!(path.symlink_metadata().is_err() && whole.exists());
+        put(&store, "x");
+    }
 }
 
 /// Goal: an entry with any byte changed, cut at any length, with bytes after its end, or of another address is said to
@@ -89,7 +141,7 @@ fn writers_and_readers_do_not_meet() {
                                 whole += 1;
                             }
                             Found::Damaged(reason) => panic!("{reason}"),
-                            Found::Nothing => {}
+                            Found::Nothing | Found::Unsigned => {}
                         },
                     }
                 }

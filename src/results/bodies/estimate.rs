@@ -176,7 +176,13 @@ fn made(
     &Resources { budget, interpreter, monitor }: &Resources<'_>,
 ) -> Result<(Meshes, Estimate)> {
     budget.check_sizes(input, geometry, work)?;
-    let meshes = meshes::meshes(input.statics, geometry, options, interpreter, monitor)?;
+    let meshes = meshes::meshes(
+        input.statics,
+        geometry,
+        options,
+        (interpreter, budget.bytes().map(|(bytes, _)| bytes)),
+        monitor,
+    )?;
     let estimate = budget.check(input, geometry, &meshes, work)?;
     Ok((meshes, estimate))
 }
@@ -279,7 +285,7 @@ mod tests {
         let found = estimate(&coarse, Some(64.0)).unwrap_or_else(|e| panic!("{e}"));
         let geometry = geometry::geometry(coarse.statics()).unwrap();
         let options = zones::mesh_options(coarse.statics(), &geometry);
-        let meshes = meshes::meshes(coarse.statics(), &geometry, options, None, &Silent).unwrap();
+        let meshes = meshes::meshes(coarse.statics(), &geometry, options, (None, None), &Silent).unwrap();
         let held = meshes.rail.ends.len() + meshes.wheel.bore.len();
         assert_eq!(
             found.degrees_of_freedom(),

@@ -289,7 +289,8 @@ enum Checked {
 /// What is said of a profile whose shape is not that of its standard.
 pub(crate) fn unlike(standard: &str) -> Finding {
     let text = format!("it does not have the shape of {standard}, whose body it is laid on by its own shape");
-    Finding::new(FindingKind::Shape, Action::Left, text)
+    // what that may cost is in the band of what was assumed
+    Finding::new(FindingKind::Shape, Action::Noted, text)
 }
 
 /// The keys of a body: its file, and whether that is placed.

@@ -39,13 +39,15 @@ struct Refusal {
 /// Reads mesh files; the Python environment is made when the first one is there.
 pub(crate) struct Files<'a> {
     interpreter: Option<&'a Path>,
+    /// Most bytes that the reader may take.
+    memory: Option<f64>,
     monitor: &'a dyn Monitor,
     python: Option<Python>,
 }
 
 impl<'a> Files<'a> {
-    pub fn new(interpreter: Option<&'a Path>, monitor: &'a dyn Monitor) -> Self {
-        Self { interpreter, monitor, python: None }
+    pub fn new(interpreter: Option<&'a Path>, memory: Option<f64>, monitor: &'a dyn Monitor) -> Self {
+        Self { interpreter, memory, monitor, python: None }
     }
 
     /// The rail of a mesh file.
@@ -90,10 +92,10 @@ impl<'a> Files<'a> {
         self.monitor.progress(&format!("reading {key}"), 0, 1)?;
         let python = match self.python.take() {
             Some(python) => python,
-            None => Python::prepare(self.interpreter, &cache_folder(), Purpose::FirstOrder, self.monitor)?,
+            None => Python::prepare(self.interpreter, &cache_folder()?, Purpose::FirstOrder, self.monitor)?,
         };
         let python = self.python.insert(python);
-        let answer = python.read_mesh(&key, file, self.monitor)?;
+        let answer = python.read_mesh(&key, file, self.memory, self.monitor)?;
         if !file.is_unchanged() {
             return Err(InputError::new(
                 key,

@@ -31,7 +31,7 @@ pub struct Meshes {
 }
 
 /// Meshes of both bodies: the tool's own with `options`, or those of the study's mesh files, which `interpreter` reads
-/// (`None`: the Python of the cache folder). Without mesh files no Python is needed.
+/// (`None`: the Python of the cache folder) within `memory`, bytes. Without mesh files no Python is needed.
 ///
 /// # Errors
 /// Settings that give an inverted or flat element; a missing Python, and mesh files that cannot be used.
@@ -39,10 +39,10 @@ pub fn meshes(
     statics: Statics<'_>,
     geometry: &Geometry,
     options: MeshOptions,
-    interpreter: Option<&Path>,
+    (interpreter, memory): (Option<&Path>, Option<f64>),
     monitor: &dyn Monitor,
 ) -> Result<Meshes> {
-    let mut files = mesh_files::Files::new(interpreter, monitor);
+    let mut files = mesh_files::Files::new(interpreter, memory, monitor);
     let rail =
         statics.rail.mesh.as_ref().map(|file| files.rail(file, statics, geometry, &options)).transpose()?;
     let wheel =

@@ -1,7 +1,10 @@
 //! What result files say of meshes and measured profiles.
 
+use railspring_profiles::profile_file::Action;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+
+use crate::rounding::significant;
 
 /// Size and quality of one mesh.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -76,6 +79,28 @@ pub struct ProfileRecord {
     pub points: usize,
     /// What was found, and what became of it.
     pub findings: Vec<FindingRecord>,
+}
+
+impl ProfileRecord {
+    /// What was found and could not be repaired, a sentence each.
+    pub fn left(&self) -> impl Iterator<Item = String> {
+        let left = self.findings.iter().filter(|finding| finding.action == Action::Left.name());
+        left.map(|finding| format!("{} {}: {}", self.body, self.file, finding.sentence()))
+    }
+}
+
+impl FindingRecord {
+    /// Where it is, what it is about, how much of it, and what was done.
+    fn sentence(&self) -> String {
+        let lines = match (self.first_line, self.last_line) {
+            (Some(first), Some(last)) if first != last => format!("lines {first} to {last}: "),
+            (Some(line), _) => format!("line {line}: "),
+            _ => String::new(),
+        };
+        let unit = self.unit.as_deref().unwrap_or_default();
+        let value = self.value.map_or_else(String::new, |value| format!(" {} {unit}", significant(value, 4)));
+        format!("{lines}{}{value}: {}", self.kind, self.text)
+    }
 }
 
 /// Something found in a profile file.

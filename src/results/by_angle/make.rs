@@ -158,9 +158,9 @@ fn bands(
     laws: &[ShiftLaw],
     monitor: &dyn Monitor,
 ) -> Result<Vec<Option<ErrorBandRecord>>> {
-    let Geometry { pair, replicates, .. } = geometry;
+    let Geometry { pair, replicates, profiles, .. } = geometry;
     let changed = changed_by_shift(pair, bodies, bodies_of(coarser), replicates, settings, laws, monitor)?;
-    let band = |(points, changed): (_, _)| band_record(&points, changed, element, coarser);
+    let band = |(points, changed): (_, _)| band_record(&points, changed, element, (coarser, profiles));
     Ok(changed.into_iter().map(|changed| changed.map(band)).collect())
 }
 

@@ -21,7 +21,7 @@ impl Solvers {
     /// [`railspring_profiles::error::InputError`] that says which program is missing and how to get it.
     pub fn find(cases: &[Case], calculix: bool, resources: &Resources<'_>) -> Result<Self> {
         let calculix = calculix.then(calculix::version).transpose()?;
-        let cache = python::cache_folder();
+        let cache = python::cache_folder()?;
         let python = Python::prepare(resources.interpreter, &cache, purpose(cases), resources.monitor)?;
         Ok(Self { python, calculix })
     }

@@ -38,7 +38,7 @@ impl Stage for Crosscheck<'_> {
     }
 
     fn make(&mut self, engine: &mut Engine<'_>) -> Result<Made> {
-        let folder = OutputFolder::create(&engine.folder.file(EXCHANGE_FOLDER))?;
+        let folder = OutputFolder::create(&engine.folder.file(EXCHANGE_FOLDER), engine.folder.inputs())?;
         let (record, differences) =
             crosscheck(&self.input, &folder, self.cases, self.solvers, &self.resources)?;
         let artefact = Artefact::default().with(CROSSCHECK, to_json(&record));

@@ -6,6 +6,7 @@ mod contact_element;
 mod of_study;
 mod in_si;
 mod written;
+mod plausible;
 mod file;
 
 use railspring_profiles::units::KILONEWTON;

@@ -11,6 +11,7 @@ use railspring_profiles::units::{KILONEWTON, MILLIMETRE};
 use crate::results::bodies::coarser::{COARSER_MESHES, Coarser, CoarserBodies, bodies_of};
 use crate::results::bodies::geometry::Geometry;
 use crate::results::bodies::meshes::{FINER, Meshes, remeshed_with};
+use crate::results::bodies::record::ProfileRecord;
 use crate::results::springs::band_record::{
     BandPointRecord, ErrorBandRecord, HorizontalBandRecord, ReferenceBandRecord, TargetRecord,
 };
@@ -53,7 +54,7 @@ pub fn error_band(
     let (pair, contact) = (&geometry.pair, contact_conditions(statics));
     let solid = Solid::of_calibration(pair, bodies, contact, &found.laws, &geometry.replicates);
     let changed = solid.changed(bodies_of(coarser), monitor)?;
-    let band = band_record(&solid.points, changed, meshes.contact_element(), coarser);
+    let band = band_record(&solid.points, changed, meshes.contact_element(), (coarser, &geometry.profiles));
     let Some(found) = &found.horizontal else { return Ok((band, None)) };
     let reference = Reference::from(statics.calibration.reference);
     let changes = match coarser {
@@ -79,14 +80,14 @@ fn horizontal_record(changes: std::result::Result<Vec<f64>, String>) -> Horizont
 }
 
 /// The bands of a solid under its loads, from its changes with the grid and to the `coarser` bodies; `contact_element` is the edge of the
-/// contact elements of the meshes of that solid, m.
+/// contact elements of the meshes of that solid, m. What is left to look at in the `profiles` has no band: a hole may hide anything.
 pub(crate) fn band_record(
     points: &SolidPoints,
     Changed { grid, mesh, scatter }: Changed,
     contact_element: f64,
-    coarser: &CoarserBodies,
+    (coarser, profiles): (&CoarserBodies, &[ProfileRecord]),
 ) -> ErrorBandRecord {
-    let mut missing = Vec::new();
+    let mut missing: Vec<String> = profiles.iter().flat_map(ProfileRecord::left).collect();
     let mut lacks = |part: &str, reason: &str| missing.push(format!("{part}: {reason}"));
     let grid = grid.unwrap_or_else(|error| {
         lacks("the grid of half the spacing", &error.to_string());

@@ -118,6 +118,11 @@ impl StiffnessRecord {
         laws.into_iter().chain(horizontal).collect()
     }
 
+    /// What was found in the measured profiles and could not be repaired, a sentence each: the surface is unsure there.
+    pub fn findings_left(&self) -> Vec<String> {
+        self.profiles.iter().flat_map(ProfileRecord::left).collect()
+    }
+
     /// How many loads and preloads of the study the springs do not have.
     pub fn loads_left_out(&self) -> usize {
         [&self.law_end, &self.horizontal_end].into_iter().flatten().map(|end| end.loads_left_out).sum()

@@ -50,7 +50,7 @@ fn a_zone_that_the_contact_leaves_is_made_longer() {
     let notes = Notes::default();
     let geometry = geometry::geometry(study.statics()).unwrap();
     let options = mesh_options(study.statics(), &geometry);
-    let mut meshes = meshes::meshes(study.statics(), &geometry, options, None, &notes).unwrap();
+    let mut meshes = meshes::meshes(study.statics(), &geometry, options, (None, None), &notes).unwrap();
     let press = |meshes: &Meshes| {
         let solids = solids::solids(study.statics(), &geometry, meshes);
         let bodies = condense_all(("superelements", &notes), PairBody::of_pair(false), true, |body| {
@@ -77,7 +77,8 @@ fn what_was_done_is_kept_where_no_larger_zone_can_be_had() {
     let study = flange_contact("window_half_length_mm = 12\n");
     let geometry = geometry::geometry(study.statics()).unwrap();
     let options = mesh_options(study.statics(), &geometry);
-    let meshes = meshes::meshes(study.statics(), &geometry, options, None, &Notes::default()).unwrap();
+    let meshes =
+        meshes::meshes(study.statics(), &geometry, options, (None, None), &Notes::default()).unwrap();
     let ended = |end| Ending::EndOfSurface { time: 0.0435, end, rail: Point2::new(-0.03, 0.01) };
     let refuse = |_: &Meshes| {
         Err(InputError::new("--memory", "1 GiB", "2 GiB for the larger meshes", "raise it").into())

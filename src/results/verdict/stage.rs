@@ -250,6 +250,13 @@ fn loads_line(stiffness: &StiffnessRecord) -> Line {
     if left_out.is_empty() { loads } else { loads.noted(left_out.join("; ")) }
 }
 
+/// That nothing is left to look at in the measured profiles, as a line; none where nothing is.
+fn findings_line(stiffness: &StiffnessRecord) -> Option<Line> {
+    let left = stiffness.findings_left();
+    let line = verify::PROFILE_FINDINGS.line(Some(left.len() as f64));
+    (!left.is_empty()).then(|| line.noted(left.join("; ")))
+}
+
 /// Lines of the verdict on the springs themselves.
 fn calibration_lines(
     input: &VerdictInput<'_>,
@@ -273,7 +280,7 @@ fn calibration_lines(
         limits.beam_missing().line(Some(stiffness.beam.missing)),
         limits.horizontal_spread().line(stiffness.horizontal.as_ref().map(|h| h.relative_spread)),
     ];
-    lines.into_iter().chain(against_published).collect()
+    lines.into_iter().chain(against_published).chain(findings_line(stiffness)).collect()
 }
 
 /// Lines of the verdict on the condensed or the lumped element under static loads: what the load cases do not see.
@@ -311,7 +318,8 @@ pub fn statics_lines(
         }
     });
     let beam = limits.beam_missing().line(Some(stiffness.beam.missing));
-    [loads_line(stiffness), displacement].into_iter().chain(hub).chain([beam]).collect()
+    let findings = findings_line(stiffness);
+    [loads_line(stiffness), displacement].into_iter().chain(hub).chain([beam]).chain(findings).collect()
 }
 
 /// How far the hub is off where two contacts share the load, which no limit is set for: the element is fitted to single contacts.

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields, default)]
 pub struct MaterialKeys {
     /// Young's modulus, GPa.
-    #[schemars(range(min = 1.0, max = 1000.0), extend("x-field" = InputField::Young.name()))]
+    #[schemars(range(min = 20.0, max = 1000.0), extend("x-field" = InputField::Young.name()))]
     pub young_gpa: f64,
     /// Poisson's ratio.
     #[schemars(range(min = 0.0, max = 0.49), extend("x-field" = InputField::Poisson.name()))]
@@ -66,7 +66,7 @@ impl MaterialKeys {
 pub struct BodyMaterialKeys {
     /// Young's modulus, GPa.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 1.0, max = 1000.0))]
+    #[schemars(range(min = 20.0, max = 1000.0))]
     pub young_gpa: Option<f64>,
     /// Poisson's ratio.
     #[serde(skip_serializing_if = "Option::is_none")]

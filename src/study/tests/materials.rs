@@ -40,11 +40,11 @@ fn wrong_materials_of_bodies_are_refused() {
     for body in ["rail", "wheel"] {
         let refused = |key: &str| message(&format!("[{body}.material]\n{key}\n"));
         for (key, expected) in [
-            ("young_gpa = -210", "a number from 1 to 1000"),
-            ("young_gpa = 0", "a number from 1 to 1000"),
+            ("young_gpa = -210", "a number from 20 to 1000"),
+            ("young_gpa = 0", "a number from 20 to 1000"),
             ("poisson = 0.5", "a number from 0 to 0.49"),
             ("density_kg_per_m3 = -1", "a number from 100 to 30000"),
-            ("young_gpa = \"210 GPa\"", "a number from 1 to 1000"),
+            ("young_gpa = \"210 GPa\"", "a number from 20 to 1000"),
         ] {
             let text = refused(key);
             assert!(

@@ -1,7 +1,6 @@
 //! What has changed since an earlier table of the same fleet.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
 
 use railspring_profiles::error::{InputError, Result};
 
@@ -10,9 +9,9 @@ use super::bodies::{Bodies, Body};
 use super::quantity::Role;
 use super::section::{Section, Table};
 use super::spreads::or_all;
-use crate::engine::columns::Cell;
-use crate::engine::output::read_text;
+use crate::engine::columns::{Cell, as_given};
 use crate::report::number::number;
+use crate::table::earlier::Earlier;
 use crate::table::rows::Rows;
 
 /// Bodies of a quantity that are listed.
@@ -22,18 +21,17 @@ const LISTED: usize = 20;
 ///
 /// # Errors
 /// [`InputError`] for a file that cannot be read or is no CSV.
-pub fn earlier(path: &Path) -> Result<Rows> {
+pub fn earlier(earlier: &Earlier) -> Result<Rows> {
     let refused = |cause: csv::Error| {
         let remedy = "name a table.csv that `railspring table` has written";
-        InputError::new(path.display().to_string(), cause.to_string(), "a table in CSV", remedy)
+        InputError::new(earlier.path.display().to_string(), cause.to_string(), "a table in CSV", remedy)
     };
-    let text = read_text(path, "table")?;
-    let mut reader = csv::Reader::from_reader(text.as_bytes());
+    let mut reader = csv::Reader::from_reader(earlier.text.as_bytes());
     let columns = reader.headers().map_err(refused)?.iter().map(str::to_owned).collect();
     let cell = |text: &str| match text.parse::<f64>() {
         // 007 is a name
         Ok(number) if number.is_finite() && number.to_string() == text => Cell::Number(Some(number)),
-        _ => Cell::from(text),
+        _ => Cell::from(as_given(text)),
     };
     let rows = reader.records().map(|row| Ok(row.map_err(refused)?.iter().map(cell).collect()));
     Ok(Rows { columns, rows: rows.collect::<Result<_>>()?, metadata: 0..0 })

@@ -51,14 +51,60 @@ pub(crate) fn available() -> Option<f64> {
         let cached = file("memory.stat").and_then(|text| statistic(&text, cached)).unwrap_or(0.0);
         Some((number(limit)? - number(used)? + cached).max(0.0))
     };
-    let groups = [
-        group("/sys/fs/cgroup", ["memory.max", "memory.current", "inactive_file"]),
-        group(
-            "/sys/fs/cgroup/memory",
-            ["memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file"],
-        ),
-    ];
-    groups.into_iter().flatten().chain(machine).reduce(f64::min)
+    let membership = read("/proc/self/cgroup").unwrap_or_default();
+    let groups = group_folders(&membership).into_iter().filter_map(|folder| {
+        let second = ["memory.max", "memory.current", "inactive_file"];
+        let first = ["memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file"];
+        group(&folder, second).into_iter().chain(group(&folder, first)).reduce(f64::min)
+    });
+    let own = read("/proc/self/limits").zip(read("/proc/self/status"));
+    let own = own.and_then(|(limits, status)| within_limits(&limits, &status));
+    groups.chain(machine).chain(own).reduce(f64::min)
+}
+
+/// The folders of the control groups of this process, each with those around it, which limit it too.
+fn group_folders(membership: &str) -> Vec<String> {
+    let mut folders = Vec::new();
+    for line in membership.lines() {
+        let mut parts = line.splitn(3, ':').skip(1);
+        let (Some(controllers), Some(path)) = (parts.next(), parts.next()) else { continue };
+        let root = match controllers {
+            "" => "/sys/fs/cgroup",
+            _ if controllers.split(',').any(|name| name == "memory") => "/sys/fs/cgroup/memory",
+            _ => continue,
+        };
+        let mut path = path.trim_end_matches('/');
+        loop {
+            folders.push(format!("{root}{path}"));
+            match path.rfind('/') {
+                Some(end) => path = &path[..end],
+                None => break,
+            }
+        }
+    }
+    // inside a container the path of the membership may be that outside
+    for root in ["/sys/fs/cgroup", "/sys/fs/cgroup/memory"] {
+        if !folders.iter().any(|folder| folder == root) {
+            folders.push(root.into());
+        }
+    }
+    folders
+}
+
+/// Bytes that the limits of a process leave it, as `ulimit -v` and `-d` set them, of its `limits` and its `status` in `/proc`; `None` without such a limit.
+fn within_limits(limits: &str, status: &str) -> Option<f64> {
+    /// Addresses that threads and their heaps set aside beside what they use, bytes.
+    const SET_ASIDE: f64 = 192.0 * 1024.0 * 1024.0;
+    let left = |limit: &str, used: &str| -> Option<f64> {
+        let line = limits.lines().find_map(|line| line.strip_prefix(limit))?;
+        // "unlimited" is no number
+        let most: f64 = line.split_whitespace().next()?.parse().ok()?;
+        let line = status.lines().find_map(|line| line.strip_prefix(used))?;
+        let taken: f64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+        Some((most - 1024.0 * taken - SET_ASIDE).max(0.0))
+    };
+    let found = [left("Max address space", "VmSize:"), left("Max data size", "VmData:")];
+    found.into_iter().flatten().reduce(f64::min)
 }
 
 /// The value of a line of `memory.stat`.
@@ -88,6 +134,17 @@ mod tests {
     fn the_texts_of_the_system_are_read() {
         assert_eq!(meminfo("MemTotal: 9 kB\nMemAvailable:   2048 kB\n"), Some(2_097_152.0));
         assert_eq!(meminfo("MemTotal: 9 kB\n"), None);
+        let limits = "Limit   Soft Limit   Hard Limit   Units\nMax data size   unlimited   unlimited   bytes\n\
+                      Max address space   1073741824   unlimited   bytes\n";
+        let status = "VmSize:\t  102400 kB\nVmData:\t 2048 kB\n";
+        // 1024 - 100 - 192 MiB
+        assert_eq!(within_limits(limits, status), Some(732.0 * 1024.0 * 1024.0));
+        assert_eq!(within_limits(&limits.replace("1073741824", "unlimited"), status), None);
+        assert_eq!(within_limits(&limits.replace("1073741824", "1024"), status), Some(0.0));
+        let folders = group_folders("0::/user.slice/job\n5:cpu:/x\n3:cpuacct,memory:/y\n");
+        let expected = ["/user.slice/job", "/user.slice", "", "/memory/y", "/memory"];
+        assert_eq!(folders, expected.map(|folder| format!("/sys/fs/cgroup{folder}")));
+        assert_eq!(group_folders("0::/\n"), ["/sys/fs/cgroup", "/sys/fs/cgroup/memory"]);
         let lines = "file 12\ninactive_file_x 9\ninactive_file 4096\n";
         assert_eq!((statistic(lines, "inactive_file"), statistic(lines, "active")), (Some(4096.0), None));
     }

@@ -33,7 +33,7 @@ impl Stage for CrosscheckInTime<'_> {
     }
 
     fn make(&mut self, engine: &mut Engine<'_>) -> Result<Made> {
-        let folder = OutputFolder::create(&engine.folder.file(EXCHANGE_FOLDER))?;
+        let folder = OutputFolder::create(&engine.folder.file(EXCHANGE_FOLDER), engine.folder.inputs())?;
         let record = crosscheck(&self.input, &folder, self.python, &self.resources)?;
         Ok(Made::whole(Artefact::default().with(CROSSCHECK, to_json(&record))))
     }

@@ -20,7 +20,8 @@ use crate::results::run::springs::accepted::{ACCEPTED, accepted_reference};
 use crate::results::run::springs::contact_element::{of_laws, with_element};
 use crate::results::run::springs::in_si::springs;
 use crate::results::run::springs::of_study::{law_of_form, own, own_springs, revolved_mass, wheel_is_known};
-use crate::results::run::springs::written::{WrittenLaw, given};
+use crate::results::run::springs::plausible::implausible;
+use crate::results::run::springs::written::{LARGEST_STIFFNESS, WrittenLaw, given};
 use crate::results::springs::record::{BeamFactors, StiffnessRecord};
 use crate::study::{ContactElementKey, LawAcceptedKey, LawKey, PairRecord};
 
@@ -88,10 +89,11 @@ pub fn from_file(input: &SpringsInput<'_>, geometry: &Geometry, path: &Path) -> 
         None => (None, None),
     };
     let calibration = serde_json::from_str::<StiffnessRecord>(&text).ok();
-    let edited = |laws: &StiffnessByAngleRecord| {
+    let edited_laws = |laws: &StiffnessByAngleRecord| {
         (!laws.is_as_written()).then(|| edited(&path.with_file_name(BY_ANGLE).display().to_string()))
     };
-    let without_laws: Vec<String> = without_laws.into_iter().chain(laws.as_ref().and_then(edited)).collect();
+    let without_laws: Vec<String> =
+        without_laws.into_iter().chain(laws.as_ref().and_then(edited_laws)).collect();
     // The study's own calibration under another name is no other law.
     let own_address = input.calibration();
     let is_own = |it: &&StiffnessRecord| it.input_hash == own_address.key() && it.is_as_written();
@@ -125,6 +127,8 @@ pub fn from_file(input: &SpringsInput<'_>, geometry: &Geometry, path: &Path) -> 
     if law.range_kn.is_none() {
         notes.push(format!("{name} says no range_kn: whether the run leaves the law's range is unknown"));
     }
+    let is_edited = calibration.as_ref().is_some_and(|calibration| !calibration.is_as_written());
+    notes.extend(is_edited.then(|| edited(&name)));
     let of_pair =
         calibration.filter(|_| pair.as_ref().is_some_and(|pair| pair.hash == input.statics.pair_key()));
     notes.extend(match &of_pair {
@@ -155,6 +159,8 @@ pub fn from_file(input: &SpringsInput<'_>, geometry: &Geometry, path: &Path) -> 
         notes,
     };
     check(&name, &record)?;
+    let mut record = record;
+    record.notes.extend(implausible(&name, &record)?);
     let element = laws.and_then(|laws| of_laws(Some(&laws), input.element).ok().flatten());
     Ok(match element {
         Some(element) => with_element(record, element),
@@ -165,13 +171,14 @@ pub fn from_file(input: &SpringsInput<'_>, geometry: &Geometry, path: &Path) -> 
 /// What has to be known about the springs of another calibration of the study's pair, which come with the wheel and the beam that they were made with.
 fn of_other_calibration(input: &SpringsInput<'_>, name: &str, calibration: &StiffnessRecord) -> Vec<String> {
     let StiffnessRecord { version, commit, beam, .. } = calibration;
-    let mut notes = vec![match calibration.is_as_written() {
-        true => format!(
+    let mut notes = Vec::new();
+    // what is edited is said of any calibration
+    if calibration.is_as_written() {
+        notes.push(format!(
             "{name} is a calibration with other settings or of another program (railspring {version}, {commit}): its law, its wheel \
              mass and its factors of the rail beam are used"
-        ),
-        false => edited(name),
-    }];
+        ));
+    }
     if (beam.length_m - input.statics.rail.length).abs() > 1e-9 {
         notes.push(format!(
             "{name}: the factors of the rail beam are those of a rail of {} m, not of {} m",
@@ -254,16 +261,21 @@ fn parsed<T: DeserializeOwned>(name: &str, text: &str) -> Result<T> {
     })
 }
 
+/// Mass of a wheel that a run can have, kg.
+const LEAST_MASS: f64 = 1e-3;
+const LARGEST_MASS: f64 = 1e6;
+
 /// Springs that can be run with.
 fn check(name: &str, record: &SpringsRecord) -> Result<()> {
     let wrong = |key: &str, value: String, expected: &str| {
         InputError::new(format!("{name}: {key}"), value, expected, "correct the file")
     };
-    let positive = |key: &str, value: f64| {
-        if value > 0.0 { Ok(()) } else { Err(wrong(key, value.to_string(), "a number above 0")) }
+    let within = |key: &str, value: f64, [least, most]: [f64; 2]| match value > least && value <= most {
+        true => Ok(()),
+        false => Err(wrong(key, value.to_string(), &format!("a number above {least} and up to {most:e}"))),
     };
-    positive("horizontal_kn_per_m", record.horizontal_kn_per_m)?;
-    positive("wheel_mass_kg", record.wheel_mass_kg)?;
+    within("horizontal_kn_per_m", record.horizontal_kn_per_m, [0.0, LARGEST_STIFFNESS])?;
+    within("wheel_mass_kg", record.wheel_mass_kg, [LEAST_MASS, LARGEST_MASS])?;
     if let Some([low, high]) = record.range_kn
         && !(low >= 0.0 && high > low)
     {

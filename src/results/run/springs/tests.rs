@@ -256,7 +256,7 @@ fn a_law_written_by_hand_is_checked() {
     let heavy = LAW.replace("{\"a", "{\"wheel_mass_kg\": 512, \"a");
     assert_eq!(read(&study, &heavy).unwrap().wheel_mass_kg, 512.0);
     for (from, to, part) in [
-        ("30000", "-30000", "a_kn_per_m = -30000: expected a number of at least 0"),
+        ("30000", "-30000", "a_kn_per_m = -30000: expected a number from 0 to 1e12"),
         ("294000", "NaN", "law.json = expected value at line 1 column 37"),
         ("294000", "1e999", "law.json = number out of range"),
         ("294000", "\"294000\"", "invalid type: string"),
@@ -398,6 +398,44 @@ fn another_reference_and_another_pair_need_the_studys_word() {
     assert!(matches!(found.source, SpringsSource::File { .. }), "{found:?}");
     let published = study("[simulation]\nlaw = \"published\"\n");
     assert!(refusal(&published, LAW).starts_with("simulation.law = "));
+}
+
+/// Source: a law as it is common, and the same in N/m under kN/m keys, with a force of 1 N for 1 kN, and with a mass in tonnes. Goal: the
+/// common one has no such note, of each other one what is outside is said; constants that no wheel has at all are refused with the file and the key.
+#[test]
+fn other_units_are_noticed() {
+    let plain = study("");
+    let notes = |text: &str| read(&plain, text).unwrap().notes;
+    let common = r#"{"a_kn_per_m": 30000, "b_kn_per_m": 294000, "c": 0.241104, "f0_kn": 1, "horizontal_kn_per_m": 80000,
+        "reference": "beam", "range_kn": [1, 150], "wheel_mass_kg": 320}"#;
+    let said = |text: &str| -> Vec<String> {
+        notes(text).into_iter().filter(|note| note.contains("steel wheels have")).collect()
+    };
+    assert_eq!(said(common), Vec::<String>::new());
+    let in_newtons =
+        common.replace("30000", "30000000").replace("294000", "294000000").replace("80000", "80000000");
+    let of_newtons = said(&in_newtons);
+    assert!(
+        of_newtons[0].contains("tangent stiffness at 60 kN is 8.") && of_newtons[0].contains("in kN/m"),
+        "{of_newtons:?}"
+    );
+    assert!(of_newtons[1].contains("horizontal stiffness is 8") && of_newtons.len() == 2, "{of_newtons:?}");
+    let of_force = said(&common.replace("\"f0_kn\": 1", "\"f0_kn\": 0.001"));
+    assert!(of_force.len() == 1 && of_force[0].contains("tangent"), "{of_force:?}");
+    let of_mass = said(&common.replace("320", "0.32"));
+    assert!(of_mass.len() == 1 && of_mass[0].contains("mass of the wheel is 0.32 kg"), "{of_mass:?}");
+    for (from, to, key) in [
+        ("294000", "1e308", "b_kn_per_m"),
+        ("30000", "1e30", "a_kn_per_m"),
+        ("80000", "1e30", "horizontal_kn_per_m"),
+        ("320", "1e-320", "wheel_mass_kg"),
+    ] {
+        let refused = refusal(&plain, &common.replace(from, to));
+        assert!(
+            refused.contains(&format!(": {key} = ")) && refused.contains("correct the file"),
+            "{refused}"
+        );
+    }
 }
 
 /// Goal: steps with contact outside the fitted range are counted, kN; steps without contact and the initial state are not.

@@ -30,6 +30,9 @@ pub(super) struct WrittenLaw {
     pub range_kn: Option<[f64; 2]>,
 }
 
+/// Largest stiffness and force of a law, kN/m and kN: a thousand times a thousand times that of steel wheels.
+pub(super) const LARGEST_STIFFNESS: f64 = 1e12;
+
 /// The keys that a law of a form has; a linear spring may be left out.
 fn keys(form: Form) -> &'static [&'static str] {
     match form {
@@ -51,15 +54,17 @@ impl WrittenLaw {
         let given = |key: &str, value| -> Result<f64> { given(name, key, value) };
         let at_least_0 = |key: &str, value| -> Result<f64> {
             let value = given(key, value)?;
-            if value >= 0.0 {
-                Ok(value)
-            } else {
-                Err(wrong(name, key, value, "a number of at least 0").into())
+            match (0.0..=LARGEST_STIFFNESS).contains(&value) {
+                true => Ok(value),
+                false => Err(wrong(name, key, value, "a number from 0 to 1e12").into()),
             }
         };
         let positive = |key: &str, value| -> Result<f64> {
             let value = given(key, value)?;
-            if value > 0.0 { Ok(value) } else { Err(wrong(name, key, value, "a number above 0").into()) }
+            match value > 0.0 && value <= LARGEST_STIFFNESS {
+                true => Ok(value),
+                false => Err(wrong(name, key, value, "a number above 0 and up to 1e12").into()),
+            }
         };
         let exponent = |key: &str, value| -> Result<f64> {
             let value = given(key, value)?;
