@@ -1,24 +1,17 @@
 //! The track in time: one linear part whose interface is the rail under a wheel.
 
-use std::cell::RefCell;
-use std::rc::Rc;
-
-use faer::MatRef;
 use nalgebra::SMatrix;
 
-use crate::time::linear_part::{LinearPart, LinearStep};
 use crate::time::newmark::{Motion, Newmark};
 use crate::time::scenario::Kelvin;
-use railspring_calibrate::beam::{ChainFactor, ElementBlocks, Meeting};
+use railspring_calibrate::beam::{ChainFactor, ElementBlocks};
 use railspring_profiles::error::{NumericsError, Result, StopReason};
 
+use super::state::{Rows, TrackState, add, dot, spread};
 use super::structure::{
     Bridge, Carrier, Direction, LineBeam, Matrix4, Onto, Row4, Track, bed, deflection, matrices, moment,
     rotation,
 };
-
-/// A row that gives a displacement from both nodes of an element.
-type Rows<const N: usize> = [[f64; N]; 2];
 
 /// A track prepared for runs. A node has deflection and rotation of the rail (`N` = 2), and those of the bridge after them (`N` = 4).
 pub struct TrackDynamics<'a, const N: usize> {
@@ -29,7 +22,7 @@ pub struct TrackDynamics<'a, const N: usize> {
     bridge: Option<Elements>,
     layers: Vec<Placed<N>>,
     /// Degrees of freedom that do not move: node and number.
-    held: Vec<(usize, usize)>,
+    pub(super) held: Vec<(usize, usize)>,
     /// What an acceleration of the ground acts on, kg.
     weights: Vec<[f64; N]>,
 }
@@ -57,44 +50,6 @@ struct Placed<const N: usize> {
     vertical: bool,
 }
 
-/// Motion of a track against the ground.
-#[derive(Debug, Clone, PartialEq)]
-pub struct TrackState<const N: usize> {
-    displacements: Vec<[f64; N]>,
-    velocities: Vec<[f64; N]>,
-    accelerations: Vec<[f64; N]>,
-    /// The masses between layers; at rest where there is none.
-    masses: Vec<Motion>,
-}
-
-impl<const N: usize> Default for TrackState<N> {
-    fn default() -> Self {
-        Self {
-            displacements: Vec::new(),
-            velocities: Vec::new(),
-            accelerations: Vec::new(),
-            masses: Vec::new(),
-        }
-    }
-}
-
-#[cfg(test)]
-impl<const N: usize> TrackState<N> {
-    /// All numbers of a state, those of a unit together.
-    pub fn numbers(&self) -> Vec<Vec<f64>> {
-        let of = |nodes: &[[f64; N]], of_mass: fn(&Motion) -> f64| {
-            let every = |first: usize| nodes.as_flattened().iter().skip(first).step_by(2).copied();
-            [every(0).chain(self.masses.iter().map(of_mass)).collect::<Vec<_>>(), every(1).collect()]
-        };
-        let all = [
-            of(&self.displacements, |mass| mass.u),
-            of(&self.velocities, |mass| mass.v),
-            of(&self.accelerations, |mass| mass.a),
-        ];
-        all.into_iter().flatten().collect()
-    }
-}
-
 /// What acts at the end of a step besides the wheel, and where the wheel is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrackLoad {
@@ -102,25 +57,6 @@ pub struct TrackLoad {
     pub x: f64,
     /// Acceleration of the ground downwards, m/s².
     pub ground: f64,
-}
-
-/// A track over steps of one length.
-pub struct TrackSteps<'a, const N: usize> {
-    dynamics: &'a TrackDynamics<'a, N>,
-    scheme: Newmark,
-    factor: ChainFactor<N>,
-    /// The element of the last step, prepared.
-    meeting: RefCell<Option<Rc<Meeting<N>>>>,
-}
-
-/// A step of a track.
-pub struct TrackStep<'s, const N: usize> {
-    steps: &'s TrackSteps<'s, N>,
-    next: &'s mut TrackState<N>,
-    meeting: Rc<Meeting<N>>,
-    under: Rows<N>,
-    free: [f64; 1],
-    flexibility: [f64; 1],
 }
 
 /// What is seen of a beam at a place.
@@ -135,31 +71,13 @@ pub struct Seen {
 }
 
 /// Gains of displacement and velocity of the acceleration at the end of a step.
-fn gains(scheme: &Newmark) -> [f64; 2] {
+pub(super) fn gains(scheme: &Newmark) -> [f64; 2] {
     [1.0 / scheme.acceleration, scheme.velocity / scheme.acceleration]
 }
 
 /// Stiffness and damping with the gains of displacement and velocity.
 fn with(kelvin: &Kelvin, [of_u, of_v]: [f64; 2]) -> f64 {
     kelvin.stiffness * of_u + kelvin.damping * of_v
-}
-
-fn dot<const N: usize>(row: &Rows<N>, nodes: &[[f64; N]], element: usize) -> f64 {
-    let one = |row: &[f64; N], node: &[f64; N]| (0..N).map(|i| row[i] * node[i]).sum::<f64>();
-    one(&row[0], &nodes[element]) + one(&row[1], &nodes[element + 1])
-}
-
-fn add<const N: usize>(row: &Rows<N>, nodes: &mut [[f64; N]], element: usize, force: f64) {
-    for (node, row) in row.iter().enumerate() {
-        (0..N).for_each(|i| nodes[element + node][i] += force * row[i]);
-    }
-}
-
-/// A row of a beam whose degrees of freedom begin at `first`.
-fn spread<const N: usize>([a, b, c, d]: Row4, first: usize) -> Rows<N> {
-    let mut rows = [[0.0; N]; 2];
-    [rows[0][first], rows[0][first + 1], rows[1][first], rows[1][first + 1]] = [a, b, c, d];
-    rows
 }
 
 impl Elements {
@@ -247,7 +165,7 @@ impl<'a, const N: usize> TrackDynamics<'a, N> {
     }
 
     /// The element at `x` and where in it.
-    fn place(&self, x: f64) -> (usize, f64) {
+    pub(super) fn place(&self, x: f64) -> (usize, f64) {
         let along = x / self.pitch;
         // a place that is a node by its numbers may miss it by their rounding
         let along = if (along - along.round()).abs() < 1e-9 { along.round() } else { along };
@@ -255,7 +173,7 @@ impl<'a, const N: usize> TrackDynamics<'a, N> {
         (element, (along - element as f64).clamp(0.0, 1.0))
     }
 
-    fn row(&self, of: Carrier, direction: Direction, xi: f64) -> Rows<N> {
+    pub(super) fn row(&self, of: Carrier, direction: Direction, xi: f64) -> Rows<N> {
         let beam = match of {
             Carrier::Rail => Some(&self.rail),
             Carrier::Bridge => self.bridge.as_ref(),
@@ -281,7 +199,7 @@ impl<'a, const N: usize> TrackDynamics<'a, N> {
 
     /// `mass`·M with the masses of the layers, and stiffness and damping with the `gains` of displacement and velocity; the masses between layers
     /// are eliminated.
-    fn factor(&self, mass: f64, gains: [f64; 2]) -> Option<ChainFactor<N>> {
+    pub(super) fn factor(&self, mass: f64, gains: [f64; 2]) -> Option<ChainFactor<N>> {
         let zero: ElementBlocks<N> = [SMatrix::zeros(); 3];
         let mut elements = vec![zero; self.track.elements];
         for beam in self.beams() {
@@ -334,7 +252,7 @@ impl<'a, const N: usize> TrackDynamics<'a, N> {
     }
 
     /// Adds what acts on the nodes in a motion without acceleration. Each mass between layers gets the force on it in the place of its acceleration.
-    fn add_forces(
+    pub(super) fn add_forces(
         &self,
         motion: [&[[f64; N]]; 2],
         masses: &mut [Motion],
@@ -396,7 +314,7 @@ impl<'a, const N: usize> TrackDynamics<'a, N> {
     }
 
     /// Adds to the forces what comes of those on the masses between layers (in the place of their accelerations) when these are eliminated.
-    fn pass_on(&self, mass: f64, gains: [f64; 2], masses: &[Motion], forces: &mut [[f64; N]]) {
+    pub(super) fn pass_on(&self, mass: f64, gains: [f64; 2], masses: &[Motion], forces: &mut [[f64; N]]) {
         for (placed, motion) in self.layers.iter().zip(masses) {
             if let Some((own, layer)) = &placed.below {
                 let [upper, lower] = [with(&placed.upper, gains), with(layer, gains)];
@@ -408,7 +326,7 @@ impl<'a, const N: usize> TrackDynamics<'a, N> {
     }
 
     /// What a mass between layers does with the `solution` of the nodes.
-    fn settle(&self, mass: f64, gains: [f64; 2], masses: &mut [Motion], solution: &[[f64; N]]) {
+    pub(super) fn settle(&self, mass: f64, gains: [f64; 2], masses: &mut [Motion], solution: &[[f64; N]]) {
         for (placed, motion) in self.layers.iter().zip(masses) {
             if let Some((own, layer)) = &placed.below {
                 let [upper, lower] = [with(&placed.upper, gains), with(layer, gains)];
@@ -420,7 +338,7 @@ impl<'a, const N: usize> TrackDynamics<'a, N> {
         }
     }
 
-    fn clear_held(&self, forces: &mut [[f64; N]]) {
+    pub(super) fn clear_held(&self, forces: &mut [[f64; N]]) {
         self.held.iter().for_each(|&(node, dof)| forces[node][dof] = 0.0);
     }
 
@@ -434,7 +352,7 @@ impl<'a, const N: usize> TrackDynamics<'a, N> {
         }
     }
 
-    fn failure(&self) -> NumericsError {
+    pub(super) fn failure(&self) -> NumericsError {
         NumericsError::new("track", StopReason::Singular, f64::NAN, N * (self.track.elements + 1))
     }
 
@@ -476,15 +394,6 @@ impl<'a, const N: usize> TrackDynamics<'a, N> {
         factor.backward(&meeting, accelerations);
         self.settle(1.0, [0.0; 2], masses, accelerations);
         Ok(())
-    }
-
-    /// The track over steps of `scheme`.
-    ///
-    /// # Errors
-    /// [`NumericsError`] for equations without a solution.
-    pub fn over(&'a self, scheme: Newmark) -> Result<TrackSteps<'a, N>> {
-        let factor = self.factor(1.0, gains(&scheme)).ok_or_else(|| self.failure())?;
-        Ok(TrackSteps { dynamics: self, scheme, factor, meeting: RefCell::new(None) })
     }
 
     /// Deflection (m) of the rail at `x` (m).
@@ -550,97 +459,6 @@ impl<const N: usize> Placed<N> {
                 }
                 [upper - upper * upper / all, -upper * lower / all, lower - lower * lower / all]
             }
-        }
-    }
-}
-
-impl<const N: usize> LinearPart for TrackSteps<'_, N> {
-    type State = TrackState<N>;
-    type Load = TrackLoad;
-    type Step<'s>
-        = TrackStep<'s, N>
-    where
-        Self: 's;
-
-    fn predict<'s>(
-        &'s self,
-        state: &'s TrackState<N>,
-        load: &TrackLoad,
-        next: &'s mut TrackState<N>,
-    ) -> TrackStep<'s, N> {
-        let Self { dynamics, scheme, factor, .. } = self;
-        let gains = gains(scheme);
-        next.displacements.clone_from(&state.displacements);
-        next.velocities.clone_from(&state.velocities);
-        next.accelerations.resize(state.accelerations.len(), [0.0; N]);
-        next.masses.clone_from(&state.masses);
-        let TrackState { displacements, velocities, accelerations, masses } = &mut *next;
-        let moved = displacements.as_flattened_mut().iter_mut().zip(velocities.as_flattened_mut());
-        for ((u, v), a) in moved.zip(state.accelerations.as_flattened()) {
-            [*u, *v] = scheme.predicted(&Motion { u: *u, v: *v, a: *a });
-        }
-        for mass in masses.iter_mut() {
-            let [u, v] = scheme.predicted(mass);
-            *mass = Motion { u, v, a: 0.0 };
-        }
-        accelerations.fill([0.0; N]);
-        dynamics.add_forces([displacements, velocities], masses, load.ground, accelerations);
-        dynamics.pass_on(1.0, gains, masses, accelerations);
-        dynamics.clear_held(accelerations);
-
-        let (element, xi) = dynamics.place(load.x);
-        let meeting = {
-            let mut last = self.meeting.borrow_mut();
-            match &*last {
-                Some(known) if known.element() == element => known.clone(),
-                _ => last.insert(Rc::new(factor.meeting(element))).clone(),
-            }
-        };
-        let mut under = dynamics.row(Carrier::Rail, Direction::Vertical, xi);
-        for (node, dof) in [(element, 0), (element, 1), (element + 1, 0), (element + 1, 1)] {
-            if dynamics.held.binary_search(&(node, dof)).is_ok() {
-                under[node - element][dof] = 0.0;
-            }
-        }
-        factor.forward(&meeting, accelerations);
-        let eliminated = meeting.eliminated(&under);
-        let product = |a: &Rows<N>, b: &Rows<N>| {
-            (0..2).map(|n| (0..N).map(|i| a[n][i] * b[n][i]).sum::<f64>()).sum::<f64>()
-        };
-        let over = meeting.over(&[accelerations[element], accelerations[element + 1]]);
-        let free = dot(&under, displacements, element) + gains[0] * product(&eliminated, &over);
-        let flexibility = gains[0] * product(&eliminated, &meeting.over(&eliminated));
-        TrackStep { steps: self, next, meeting, under, free: [free], flexibility: [flexibility] }
-    }
-}
-
-impl<const N: usize> LinearStep for TrackStep<'_, N> {
-    fn free(&self) -> &[f64] {
-        &self.free
-    }
-
-    fn flexibility(&self) -> MatRef<'_, f64> {
-        MatRef::from_column_major_slice(&self.flexibility, 1, 1)
-    }
-
-    fn finish(self, forces: &[f64]) {
-        let TrackSteps { dynamics, scheme, factor, .. } = self.steps;
-        let gains = gains(scheme);
-        let TrackState { displacements, velocities, accelerations, masses } = self.next;
-        // the right-hand side is eliminated towards the element of the wheel already, to which nothing of its second node was carried of this force
-        let element = self.meeting.element();
-        let on = self.meeting.eliminated(&self.under);
-        add(&on, accelerations, element, forces[0]);
-        factor.backward(&self.meeting, accelerations);
-        dynamics.settle(1.0, gains, masses, accelerations);
-        let moved = displacements.as_flattened_mut().iter_mut().zip(velocities.as_flattened_mut());
-        for ((u, v), a) in moved.zip(accelerations.as_flattened()) {
-            *u += gains[0] * a;
-            *v += gains[1] * a;
-        }
-        for mass in masses {
-            mass.u += gains[0] * mass.a;
-            mass.v += gains[1] * mass.a;
         }
     }
 }

@@ -8,8 +8,9 @@ use crate::time::linear_part::{LinearPart, LinearStep};
 use crate::time::newmark::{Motion, Newmark};
 
 use super::case::{Start, TrackCase};
-use super::dynamics::{Seen, TrackDynamics, TrackLoad, TrackState};
+use super::dynamics::{Seen, TrackDynamics, TrackLoad};
 use super::running::{Loads, Running, Vehicle};
+use super::state::TrackState;
 
 /// Most iterations of a contact; bisection alone ends with sixty.
 const MOST_ITERATIONS: usize = 200;
