@@ -47,6 +47,7 @@ mod store;
 mod streams;
 mod table;
 mod tables;
+mod track;
 mod transfer;
 mod uncertain_load_cases;
 mod user_meshes;

@@ -363,9 +363,16 @@ impl Contacts<'_> {
     fn balance(&self, last: &[f64]) -> Result<(Vec<f64>, Vec<f64>)> {
         let count = self.free.len();
         let (mut approaches, mut forces) = (vec![0.0; count], last.to_vec());
+        // the wheel that is pressed on more comes first, so that the mirrored case is solved in the mirrored order
+        let mut order: Vec<usize> = (0..count).collect();
+        order.sort_by(|&a, &b| {
+            let pressed = |wheel: usize| (self.free[wheel], last[wheel]);
+            let ((a, of_a), (b, of_b)) = (pressed(a), pressed(b));
+            b.total_cmp(&a).then(of_b.total_cmp(&of_a))
+        });
         for _ in 0..MOST_ROUNDS {
             let mut change = 0.0_f64;
-            for wheel in 0..count {
+            for &wheel in &order {
                 let others: f64 =
                     (0..count).filter(|i| *i != wheel).map(|i| self.flexibility[wheel][i] * forces[i]).sum();
                 let (approach, force) = self.alone(wheel, self.free[wheel] - others, forces[wheel]);

@@ -17,6 +17,16 @@ impl TimeFunction {
         Self { harmonics: vec![HarmonicForce::constant(value)], table: Vec::new() }
     }
 
+    /// The function with the opposite values.
+    #[must_use]
+    pub fn negated(mut self) -> Self {
+        for harmonic in &mut self.harmonics {
+            (harmonic.constant, harmonic.amplitude) = (-harmonic.constant, -harmonic.amplitude);
+        }
+        self.table.iter_mut().for_each(|(_, value)| *value = -*value);
+        self
+    }
+
     /// The value at `time`, s.
     pub fn at(&self, time: f64) -> f64 {
         self.harmonics.iter().map(|harmonic| harmonic.at(time)).sum::<f64>() + interpolated(&self.table, time)
