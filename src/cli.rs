@@ -18,6 +18,7 @@ mod results;
 mod pdf_args;
 mod compare;
 mod element_files;
+mod track;
 mod staged;
 mod element;
 mod fit;

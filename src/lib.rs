@@ -30,6 +30,7 @@ pub mod self_test;
 pub mod results;
 pub mod compare;
 pub mod table;
+pub mod track;
 pub mod export;
 pub mod cluster;
 pub mod cli;

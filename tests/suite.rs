@@ -51,6 +51,7 @@ mod store;
 mod streams;
 mod table;
 mod tables;
+mod track;
 mod transfer;
 mod uncertain_load_cases;
 mod user_meshes;

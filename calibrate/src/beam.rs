@@ -10,8 +10,8 @@ mod correction;
 mod held;
 mod modes;
 
-pub use element::{BeamElement, deflection_functions};
-pub use factor::{ChainFactor, Meeting, NODE, Node};
+pub use element::{BeamElement, deflection_functions, rotation_functions};
+pub use factor::{ChainFactor, ElementBlocks, Meeting, NODE, Node};
 pub use held::HeldRail;
 pub use modes::{SectionMode, SectionModes};
 pub use rail::{End, RailBeam, SectionRows};

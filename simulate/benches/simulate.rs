@@ -2,15 +2,16 @@
 //!
 //! S1002 on 60E1, the published element with the published law and a condensed one of round numbers: the published load case 4.1, a bridge of 25 m that the wheel crosses at
 //! 300 km/h, and a loaded wheel that rolls on a rigid rail and on rails of 20 to 10,000 elements of a decimetre. What the beam costs is the ratio to the rigid rail. A batch of load cases runs on
-//! one thread and on more.
+//! one thread and on more. A wheelset rolls on two rails on sleepers, by a law without profiles.
 
 use criterion::{
     BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main, measurement::WallTime,
 };
 use nalgebra::{Matrix3, Vector2, Vector3};
-use railspring_calibrate::beam::RailBeam;
+use railspring_calibrate::beam::{BeamSection, RailBeam, Torsion};
 use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::pair::Pair;
+use railspring_calibrate::section_analysis::rail_properties;
 use railspring_calibrate::solid::Material;
 use railspring_element::law::{StripPlace, StripStiffness};
 use railspring_element::modulus::StripModulus;
@@ -24,7 +25,11 @@ use railspring_profiles::section::{rail_section, wheel_section};
 use railspring_simulate::cases::{GRAVITY, bridge, constant_lateral_force, crossing, rolling};
 use railspring_simulate::element::condensed::CondensedModel;
 use railspring_simulate::element::published::{MovingModel, MovingRun, RailSupport, WheelSprings};
-use railspring_simulate::time::scenario::{HarmonicForce, Scenario};
+use railspring_simulate::time::scenario::{HarmonicForce, Kelvin, Scenario};
+use railspring_simulate::track::{
+    Carrier, Direction, Layers, LineBeam, Onto, Running, Start, TimeFunction, Track, TrackCase, Unevenness,
+    Way, Wheels, Wheelset,
+};
 use rayon::prelude::*;
 
 /// Mass of the wheel, kg.
@@ -151,5 +156,70 @@ fn batch(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, moving, batch);
+/// A wheelset on two rails with sleepers at every sixth node, with masses on ballast; a step is that of both rails.
+fn on_sleepers(elements: usize) -> TrackCase {
+    let pitch = 0.1;
+    let properties = rail_properties(&rail_section("60E1").unwrap()).unwrap();
+    let section = BeamSection::rail(&properties, &steel(), 1.0, Torsion::SaintVenant).unwrap();
+    let layer = |stiffness: f64, damping: f64| Kelvin { stiffness, damping };
+    let sleeper = |node: usize| Layers {
+        of: Carrier::Rail,
+        x: node as f64 * pitch,
+        direction: Direction::Vertical,
+        upper: layer(1e8, 3e4),
+        below: Some((150.0, layer(5e7, 5e4))),
+        onto: Onto::Ground,
+    };
+    let length = elements as f64 * pitch;
+    let wheelset = Wheelset {
+        mass: 1800.0,
+        inertia: 1000.0,
+        above: 10_000.0,
+        above_inertia: 5000.0,
+        suspension: layer(1.2e6, 4e4),
+        half_track: 0.75,
+        half_base: 1.0,
+    };
+    TrackCase {
+        track: Some(Track {
+            length,
+            elements,
+            rail: LineBeam { section, damping: 6e-6, mass_damping: 0.0 },
+            bridge: None,
+            bed: None,
+            held: Vec::new(),
+            layers: (0..=elements).step_by(6).map(sleeper).collect(),
+        }),
+        running: Running::Wheelset(wheelset),
+        wheels: Wheels {
+            law: StiffnessLaw::published().into(),
+            damping: 0.0,
+            unevenness: vec![Unevenness::default(); 2],
+        },
+        steps: 600,
+        time_step: 2.5e-4,
+        inner_steps: 1,
+        gravity: GRAVITY,
+        force: TimeFunction::default(),
+        roll: TimeFunction::constant(5e3),
+        ground: TimeFunction::default(),
+        way: Way::uniform(0.4 * length, 5.0, 0.0, 1.0),
+        start: Start::Equilibrium,
+        probes: Vec::new(),
+    }
+}
+
+fn track(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("step of a wheelset on sleepers");
+    group.sample_size(10);
+    for elements in [100, 1000, 10_000] {
+        let case = on_sleepers(elements);
+        group.throughput(Throughput::Elements(case.steps as u64));
+        group.bench_function(format!("{elements} elements a rail"), |bencher| {
+            bencher.iter(|| case.run(&Silent).unwrap().rows.len());
+        });
+    }
+}
+
+criterion_group!(benches, moving, batch, track);
 criterion_main!(benches);

@@ -4,4 +4,5 @@ pub mod time;
 mod axle;
 pub mod solid;
 pub mod element;
+pub mod track;
 pub mod cases;

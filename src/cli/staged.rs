@@ -13,6 +13,7 @@ use super::pdf_args::PdfArgs;
 use super::progress::Progress;
 use super::results::Results;
 use super::set_args::SetArgs;
+use super::track;
 use super::work_args::{WorkArgs, take_threads};
 use crate::engine::inputs::Inputs;
 use crate::engine::output::OutputFolder;
@@ -33,10 +34,11 @@ use crate::results::run::input::SpringsInput;
 use crate::results::run::springs;
 use crate::results::study_run::StudyRun;
 use crate::study::Study;
+use crate::track::is_track;
 
 #[derive(Debug, Subcommand)]
 pub(super) enum StudyCommand {
-    /// Run the whole study: calibrate, simulate, verify, report
+    /// Run the whole study: calibrate, simulate, verify, report; of a load case on a track (`kind = "track"`) the run alone
     Run(StudyArgs),
     /// Calibrate: the load curve, the normal law and the horizontal stiffness
     Calibrate(StudyArgs),
@@ -236,11 +238,26 @@ impl Action<'_> {
 /// Runs a command; whether all limits hold.
 pub(super) fn run(command: &StudyCommand) -> Result<bool, Failure> {
     let (name, args) = command.parts();
+    if is_track(&args.study, args.set.settings()) {
+        return on_a_track(command);
+    }
     let study = Study::read_with(&args.study, args.set.settings())?;
     let results = Results::of(name).of_study(&study.name);
     let (output, how) = (args.run.output.as_deref(), &args.run.how);
     done(command.action(), results, (output, how), &study, &[])
         .map_err(|error| Failure::of_stage(&study, error))
+}
+
+/// The same of a load case on a track, which has nothing to calibrate.
+fn on_a_track(command: &StudyCommand) -> Result<bool, Failure> {
+    let (name, args) = command.parts();
+    if !matches!(command, StudyCommand::Run(_) | StudyCommand::Simulate { law: None, .. }) {
+        return Err(track::refused(name, &args.study));
+    }
+    let HowArgs { work, dry_run, pdf, .. } = &args.run.how;
+    let how =
+        track::How { output: args.run.output.as_deref(), work, dry_run: *dry_run, printer: pdf.printer()? };
+    track::run(name, &args.study, args.set.settings(), &how)
 }
 
 /// Writes a file of a kind into a folder and says its path.

@@ -7,12 +7,13 @@ use super::number;
 use crate::rounding::{significant, with_minus_signs};
 
 /// The pages, and the parts that they share.
-const TEMPLATES: [(&str, &str); 10] = [
+const TEMPLATES: [(&str, &str); 11] = [
     ("style.css", include_str!("pages/style.css")),
     ("inputs.html", include_str!("pages/inputs.html")),
     ("report.html", include_str!("pages/report.html")),
     ("table.html", include_str!("pages/table.html")),
     ("table_fleet.html", include_str!("pages/table_fleet.html")),
+    ("track.html", include_str!("pages/track.html")),
     ("compare.html", include_str!("pages/compare.html")),
     ("crosscheck.html", include_str!("pages/crosscheck.html")),
     ("crosscheck_summary.html", include_str!("pages/crosscheck_summary.html")),

@@ -1,4 +1,4 @@
-//! The factor of a chain of equal elements, from both of its ends.
+//! The factor of a chain of elements, from both of its ends.
 //!
 //! The matrix of such a chain is block-tridiagonal: a node meets its two neighbours only. Elimination from either end towards a node
 //! leaves that node's own equations. With both stored, a right-hand side is eliminated towards the node where
@@ -13,24 +13,48 @@ pub const NODE: usize = 5;
 pub type Node = [f64; NODE];
 pub(super) type Block = SMatrix<f64, NODE, NODE>;
 
-/// An element's matrix by its nodes: first with first, first with second, second with second.
-pub(super) type ElementBlocks = [Block; 3];
+/// An element's matrix by its nodes, each with `N` degrees of freedom: first with first, first with second, second with second.
+pub type ElementBlocks<const N: usize = NODE> = [SMatrix<f64, N, N>; 3];
 
 /// A factored chain.
 #[derive(Debug, Clone)]
-pub struct ChainFactor {
-    elements: usize,
-    element: ElementBlocks,
-    held: [[bool; NODE]; 2],
+pub struct ChainFactor<const N: usize = NODE> {
+    elements: Elements<N>,
+    held: [[bool; N]; 2],
     /// Elimination from the first node on, and from the last.
-    sweeps: [Sweep; 2],
+    sweeps: [Sweep<N>; 2],
+}
+
+/// The matrices of all elements.
+#[derive(Debug, Clone)]
+enum Elements<const N: usize> {
+    /// All have this one, and there are so many.
+    Equal(ElementBlocks<N>, usize),
+    /// One after the other.
+    Each(Vec<ElementBlocks<N>>),
+}
+
+impl<const N: usize> Elements<N> {
+    fn count(&self) -> usize {
+        match self {
+            Self::Equal(_, count) => *count,
+            Self::Each(all) => all.len(),
+        }
+    }
+
+    fn at(&self, element: usize) -> &ElementBlocks<N> {
+        match self {
+            Self::Equal(one, _) => one,
+            Self::Each(all) => &all[element],
+        }
+    }
 }
 
 /// Elimination from one end, a link for each node in turn. With inertia the end is forgotten after some elements: the links repeat to
 /// the last bit, one or a few in turn, and those that follow are not stored.
 #[derive(Debug, Clone)]
-struct Sweep {
-    links: Vec<Link>,
+struct Sweep<const N: usize> {
+    links: Vec<Link<N>>,
     /// How many of the last links repeat.
     period: usize,
 }
@@ -40,57 +64,66 @@ const MOST_IN_TURN: usize = 16;
 
 /// The elimination of a node into the next.
 #[derive(Debug, Clone, PartialEq)]
-struct Link {
+struct Link<const N: usize> {
     /// Inverse of the node's equations; zero where it is held.
-    inverse: Block,
+    inverse: SMatrix<f64, N, N>,
     /// What the node takes of its predecessor's right-hand side, and the transpose.
-    carried: Block,
-    carried_back: Block,
+    carried: SMatrix<f64, N, N>,
+    carried_back: SMatrix<f64, N, N>,
 }
 
 /// The place towards which a right-hand side is eliminated: an element, by its first node, and two rows of numbers for its nodes.
 #[derive(Debug, Clone, Copy)]
-pub struct Meeting {
+pub struct Meeting<const N: usize = NODE> {
     element: usize,
     /// Inverse of the equations of the first node, when all others are eliminated, and of those of the second before
     /// it is eliminated into the first.
-    inverses: [Block; 2],
-    carried: Block,
-    carried_back: Block,
+    inverses: [SMatrix<f64, N, N>; 2],
+    carried: SMatrix<f64, N, N>,
+    carried_back: SMatrix<f64, N, N>,
 }
 
-impl ChainFactor {
+impl<const N: usize> ChainFactor<N> {
     /// Factors `elements` elements with the matrix `element`, the ends held as `held`; none if the matrix is not positive definite.
-    pub(super) fn new(element: ElementBlocks, elements: usize, held: [[bool; NODE]; 2]) -> Option<Self> {
-        let [first, across, second] = element;
-        let inner = first + second;
-        let from_first = Sweep::new(first, inner, &across.transpose(), &held[0], elements)?;
-        let from_last = Sweep::new(second, inner, &across, &held[1], elements)?;
-        Some(Self { elements, element, held, sweeps: [from_first, from_last] })
+    pub fn new(element: ElementBlocks<N>, elements: usize, held: [[bool; N]; 2]) -> Option<Self> {
+        Self::of(Elements::Equal(element, elements), held)
+    }
+
+    /// Factors elements with a matrix each, the ends held as `held`; none if the matrix is not positive definite or there is no element.
+    pub fn of_elements(elements: Vec<ElementBlocks<N>>, held: [[bool; N]; 2]) -> Option<Self> {
+        if elements.is_empty() { None } else { Self::of(Elements::Each(elements), held) }
+    }
+
+    fn of(elements: Elements<N>, held: [[bool; N]; 2]) -> Option<Self> {
+        let from_first = Sweep::new(&elements, &held[0], false)?;
+        let from_last = Sweep::new(&elements, &held[1], true)?;
+        Some(Self { elements, held, sweeps: [from_first, from_last] })
     }
 
     /// The equations of the nodes of an element, all others eliminated.
-    pub fn meeting(&self, element: usize) -> Meeting {
-        let [first, across, second] = &self.element;
-        let [left, right] = [self.sweeps[0].link(element), self.sweeps[1].link(self.elements - element)];
+    pub fn meeting(&self, element: usize) -> Meeting<N> {
+        let count = self.elements.count();
+        let [first, across, _] = self.elements.at(element);
+        let [left, right] = [self.sweeps[0].link(element), self.sweeps[1].link(count - element)];
         let mut own = *first;
         if element > 0 {
-            own += second - left.carried * across;
+            let [_, before, second] = self.elements.at(element - 1);
+            own += second - left.carried * before;
         }
         own -= right.carried * across.transpose();
-        let held = if element == 0 { self.held[0] } else { [false; NODE] };
-        let beyond = self.sweeps[1].link(self.elements - element - 1);
+        let held = if element == 0 { self.held[0] } else { [false; N] };
+        let beyond = self.sweeps[1].link(count - element - 1);
         Meeting {
             element,
             // the matrix is positive definite, and so is what elimination leaves of it
-            inverses: [inverse(own, &held).unwrap_or_else(Block::zeros), beyond.inverse],
+            inverses: [inverse(own, &held).unwrap_or_else(SMatrix::zeros), beyond.inverse],
             carried: right.carried,
             carried_back: right.carried_back,
         }
     }
 
     /// Eliminates a right-hand side, one entry a node, towards the first node of the element.
-    pub fn forward(&self, meeting: &Meeting, nodes: &mut [Node]) {
+    pub fn forward(&self, meeting: &Meeting<N>, nodes: &mut [[f64; N]]) {
         let (left, right) = nodes.split_at_mut(meeting.element + 1);
         self.sweeps[0].forward(left.iter_mut());
         self.sweeps[1].forward(right.iter_mut().rev());
@@ -99,28 +132,39 @@ impl ChainFactor {
     }
 
     /// Substitutes back what [`Self::forward`] has eliminated.
-    pub fn backward(&self, meeting: &Meeting, nodes: &mut [Node]) {
+    pub fn backward(&self, meeting: &Meeting<N>, nodes: &mut [[f64; N]]) {
         let first = meeting.element;
         let (left, right) = nodes.split_at_mut(first + 1);
         [left[first], right[0]] = meeting.solution(&left[first], &right[0]);
         self.sweeps[0].backward(first, left.iter_mut().rev());
-        self.sweeps[1].backward(self.elements - first - 1, right.iter_mut());
+        self.sweeps[1].backward(self.elements.count() - first - 1, right.iter_mut());
     }
 }
 
-impl Sweep {
-    /// `end` and `inner` are the equations of the end and of all other nodes, `towards` the part of a node's that belongs to its
-    /// predecessor.
-    fn new(end: Block, inner: Block, towards: &Block, held: &[bool; NODE], elements: usize) -> Option<Self> {
-        let at_end =
-            Link { inverse: inverse(end, held)?, carried: Block::zeros(), carried_back: Block::zeros() };
+impl<const N: usize> Sweep<N> {
+    /// From the first node on, or from the last (`backwards`), whose node is held as `held`.
+    fn new(elements: &Elements<N>, held: &[bool; N], backwards: bool) -> Option<Self> {
+        let count = elements.count();
+        // the elements in the order of the sweep, with their nodes in that order, too
+        let element = |number: usize| {
+            let [first, across, second] = elements.at(if backwards { count - 1 - number } else { number });
+            if backwards { (second, *across, first) } else { (first, across.transpose(), second) }
+        };
+        let end = inverse(*element(0).0, held)?;
+        let at_end = Link { inverse: end, carried: SMatrix::zeros(), carried_back: SMatrix::zeros() };
         let mut links = vec![at_end];
-        for node in 1..=elements {
+        for node in 1..=count {
+            // what belongs of a node's equations to its predecessor
+            let (_, towards, own) = element(node - 1);
             let carried = towards * links[node - 1].inverse;
-            let left = inner - carried * towards.transpose();
-            let inverse = inverse(left, &[false; NODE])?;
+            // nothing follows the last node: its link is only carried to, and any positive equations do
+            let following = element(node.min(count - 1)).0;
+            let left = own + following - carried * towards.transpose();
+            let inverse = inverse(left, &[false; N])?;
             let link = Link { inverse, carried, carried_back: carried.transpose() };
-            if let Some(back) = links.iter().rev().take(MOST_IN_TURN).position(|known| *known == link) {
+            if let Elements::Equal(..) = elements
+                && let Some(back) = links.iter().rev().take(MOST_IN_TURN).position(|known| *known == link)
+            {
                 return Some(Self { links, period: back + 1 });
             }
             links.push(link);
@@ -128,7 +172,7 @@ impl Sweep {
         Some(Self { links, period: 1 })
     }
 
-    fn link(&self, node: usize) -> &Link {
+    fn link(&self, node: usize) -> &Link<N> {
         &self.links[self.stored(node)]
     }
 
@@ -138,8 +182,8 @@ impl Sweep {
         if node < stored { node } else { stored - self.period + (node - stored) % self.period }
     }
 
-    fn forward<'a>(&self, nodes: impl Iterator<Item = &'a mut Node>) {
-        let mut before = [0.0; NODE];
+    fn forward<'a>(&self, nodes: impl Iterator<Item = &'a mut [f64; N]>) {
+        let mut before = [0.0; N];
         let mut at = 0;
         for node in nodes {
             subtract(node, &product(&self.links[at].carried, &before));
@@ -153,7 +197,7 @@ impl Sweep {
     }
 
     /// From the node `start`, which has its value, back to the end.
-    fn backward<'a>(&self, start: usize, mut nodes: impl Iterator<Item = &'a mut Node>) {
+    fn backward<'a>(&self, start: usize, mut nodes: impl Iterator<Item = &'a mut [f64; N]>) {
         let Some(mut after) = nodes.next().copied() else { return };
         let (stored, first_of_turn) = (self.links.len(), self.links.len() - self.period);
         let mut at = self.stored(start);
@@ -169,26 +213,26 @@ impl Sweep {
     }
 }
 
-impl Meeting {
+impl<const N: usize> Meeting<N> {
     /// The element.
     pub fn element(&self) -> usize {
         self.element
     }
 
     /// What a right-hand side at both nodes is when the second is eliminated into the first.
-    pub fn eliminated(&self, [first, second]: &[Node; 2]) -> [Node; 2] {
+    pub fn eliminated(&self, [first, second]: &[[f64; N]; 2]) -> [[f64; N]; 2] {
         let mut first = *first;
         subtract(&mut first, &product(&self.carried, second));
         [first, *second]
     }
 
     /// Forces at the nodes, as [`Self::eliminated`], over the matrix: times the rows of a displacement, eliminated as well, it is that under the forces.
-    pub fn over(&self, forces: &[Node; 2]) -> [Node; 2] {
+    pub fn over(&self, forces: &[[f64; N]; 2]) -> [[f64; N]; 2] {
         [0, 1].map(|node| product(&self.inverses[node], &forces[node]))
     }
 
     /// The values of both nodes, from right-hand sides as [`Self::eliminated`].
-    fn solution(&self, first: &Node, second: &Node) -> [Node; 2] {
+    fn solution(&self, first: &[f64; N], second: &[f64; N]) -> [[f64; N]; 2] {
         let first = product(&self.inverses[0], first);
         let mut second = product(&self.inverses[1], second);
         subtract(&mut second, &product(&self.carried_back, &first));
@@ -197,8 +241,8 @@ impl Meeting {
 }
 
 #[inline]
-pub(super) fn product(matrix: &Block, vector: &Node) -> Node {
-    let mut sum = [0.0; NODE];
+pub(super) fn product<const N: usize>(matrix: &SMatrix<f64, N, N>, vector: &[f64; N]) -> [f64; N] {
+    let mut sum = [0.0; N];
     for (column, factor) in matrix.data.0.iter().zip(vector) {
         for (sum, value) in sum.iter_mut().zip(column) {
             *sum += value * factor;
@@ -208,7 +252,7 @@ pub(super) fn product(matrix: &Block, vector: &Node) -> Node {
 }
 
 #[inline]
-fn subtract(from: &mut Node, value: &Node) {
+fn subtract<const N: usize>(from: &mut [f64; N], value: &[f64; N]) {
     from.iter_mut().zip(value).for_each(|(from, value)| *from -= value);
 }
 
@@ -216,14 +260,17 @@ fn subtract(from: &mut Node, value: &Node) {
 const NOTHING: f64 = 1e-200;
 
 #[inline]
-fn flush(node: &mut Node) {
+fn flush<const N: usize>(node: &mut [f64; N]) {
     node.iter_mut().for_each(|value| *value = if value.abs() < NOTHING { 0.0 } else { *value });
 }
 
 /// Inverse of a symmetric matrix in the coordinates that are not held, zero in the others, by Gauss-Jordan elimination; none if the matrix is
 /// not positive definite.
-pub(super) fn inverse(mut matrix: Block, held: &[bool; NODE]) -> Option<Block> {
-    let free = || (0..NODE).filter(|&i| !held[i]);
+pub(super) fn inverse<const N: usize>(
+    mut matrix: SMatrix<f64, N, N>,
+    held: &[bool; N],
+) -> Option<SMatrix<f64, N, N>> {
+    let free = || (0..N).filter(|&i| !held[i]);
     for k in free() {
         let pivot = matrix[(k, k)];
         if !(pivot > 0.0 && pivot.is_finite()) {
@@ -243,7 +290,7 @@ pub(super) fn inverse(mut matrix: Block, held: &[bool; NODE]) -> Option<Block> {
     }
     let kept =
         |i: usize, j: usize| if held[i] || held[j] { 0.0 } else { 0.5 * (matrix[(i, j)] + matrix[(j, i)]) };
-    Some(Block::from_fn(kept))
+    Some(SMatrix::from_fn(kept))
 }
 
 #[cfg(test)]

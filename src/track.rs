@@ -1,0 +1,24 @@
+//! Load cases on a track in the vertical plane, from one file: a study of `kind = "track"`.
+//!
+//! * [`TrackStudy`]: the file as a load case of [`railspring_simulate::track`];
+//! * [`made`]: its run as files of an output folder: history, record and page.
+//!
+//! No profiles and no solids take part: nothing is calibrated, and nothing verified.
+
+pub mod document;
+mod tables;
+mod beams;
+mod excitation;
+mod resolve;
+mod columns;
+mod record;
+mod page;
+mod make;
+
+pub use columns::columns_of;
+pub use make::{Made, made};
+pub use record::{Extreme, Figures, TrackRecord, Verification};
+pub use resolve::{TrackStudy, is_track};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,117 @@
+//! `report.html` of a track study: what was verified, the largest values, curves and keys.
+
+use railspring_simulate::track::TrackRun;
+use serde_json::{Value, json};
+
+use super::columns::TrackColumn;
+use super::record::TrackRecord;
+use crate::report::accessible::inline;
+use crate::report::html;
+use crate::report::number::{WIDTH, number};
+use crate::report::panel::{Panel, stacked};
+use crate::report::plot::{BLUE, DARK, Dash, Series};
+
+/// Most intervals of a curve; of each its smallest and its largest value are drawn.
+const INTERVALS: usize = 600;
+/// Height of a panel, pixels.
+const HEIGHT: u32 = 220;
+
+/// The page; self-contained.
+pub(super) fn page(record: &TrackRecord, run: &TrackRun, columns: &[TrackColumn]) -> String {
+    let mut figures = Vec::new();
+    let forces: Vec<&TrackColumn> = columns.iter().filter(|column| column.name.ends_with("p_kn")).collect();
+    figures.push(figure(&forces, run, "P, kN", "Vertical force of the wheel on the rail over time."));
+    for column in columns.iter().filter(|column| column.name.ends_with("_deflection_mm")) {
+        let probe = column.name.trim_end_matches("_deflection_mm");
+        let named = |end: &str| columns.iter().find(|column| column.name == format!("{probe}_{end}"));
+        let panels: Vec<Panel> = [
+            (Some(column), "deflection, mm"),
+            (named("moment_kn_m"), "moment, kN·m"),
+            (named("acceleration_m_per_s2"), "acceleration, m/s²"),
+        ]
+        .into_iter()
+        .filter_map(|(column, label)| Some(panel(&[column?], run, label)))
+        .collect();
+        let caption = format!("Probe {probe}: deflection, bending moment and acceleration over time.");
+        figures.push(drawn(&panels, &caption));
+    }
+    let row = |at: &super::record::Extreme| json!([number(at.value), number(at.time_s), number(at.x_m)]);
+    let rows: Vec<Value> = record
+        .figures
+        .iter()
+        .map(|f| json!({ "name": f.column, "text": f.text, "smallest": row(&f.smallest), "largest": row(&f.largest) }))
+        .collect();
+    let mut keys = Vec::new();
+    flatten("", &record.keys, &mut keys);
+    html::render(
+        "track.html",
+        json!({
+            "name": record.study,
+            "description": record.description,
+            "completed": record.ending == "completed",
+            "rows": record.rows,
+            "unknowns": record.unknowns,
+            "verification": record.verification.reason,
+            "notes": record.notes,
+            "figures": figures,
+            "extremes": rows,
+            "files": record.files,
+            "keys": keys,
+            "version": format!("{} ({})", record.version, record.commit),
+        }),
+    )
+}
+
+fn figure(columns: &[&TrackColumn], run: &TrackRun, label: &str, caption: &str) -> Value {
+    drawn(&[panel(columns, run, label)], caption)
+}
+
+fn drawn(panels: &[Panel], caption: &str) -> Value {
+    json!({ "svg": inline(&stacked(WIDTH, HEIGHT, panels), caption), "caption": caption })
+}
+
+fn panel(columns: &[&TrackColumn], run: &TrackRun, label: &str) -> Panel {
+    let styles = [(DARK, Dash::Solid), (BLUE, Dash::Dashed)];
+    let series = columns.iter().zip(styles).map(|(column, (color, dash))| {
+        let name = if columns.len() > 1 { column.name.split('_').next().unwrap_or_default() } else { "" };
+        Series::line(name, thinned(column, run), color, dash)
+    });
+    Panel::from_zero("time, s", label, series.collect())
+}
+
+/// A curve over time; of many rows the smallest and the largest value of each interval.
+fn thinned(column: &TrackColumn, run: &TrackRun) -> Vec<(f64, f64)> {
+    let all: Vec<(f64, f64)> = run.rows.iter().map(|row| (row.time, column.of(row))).collect();
+    if all.len() <= 2 * INTERVALS {
+        return all;
+    }
+    let mut kept = Vec::with_capacity(2 * INTERVALS);
+    for interval in all.chunks(all.len().div_ceil(INTERVALS)) {
+        let by = |a: &&(f64, f64), b: &&(f64, f64)| a.1.total_cmp(&b.1);
+        let ends = [interval.iter().min_by(by), interval.iter().max_by(by)];
+        let mut ends: Vec<(f64, f64)> = ends.into_iter().flatten().copied().collect();
+        ends.sort_by(|a, b| a.0.total_cmp(&b.0));
+        kept.extend(ends);
+    }
+    kept
+}
+
+/// Keys with their values, each with its path.
+fn flatten(path: &str, value: &Value, keys: &mut Vec<[String; 2]>) {
+    match value {
+        Value::Object(inner) => {
+            for (key, value) in inner.iter().filter(|(key, _)| *key != "description") {
+                let path = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
+                flatten(&path, value, keys);
+            }
+        }
+        Value::Array(items) if items.iter().any(Value::is_object) => {
+            for (index, item) in items.iter().enumerate() {
+                flatten(&format!("{path}[{index}]"), item, keys);
+            }
+        }
+        Value::Null => {}
+        Value::String(text) => keys.push([path.into(), text.clone()]),
+        other => keys.push([path.into(), other.to_string()]),
+    }
+}
