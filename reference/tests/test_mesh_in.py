@@ -272,3 +272,23 @@ def test_groups_that_are_no_materials_are_refused(tmp_path: Path) -> None:
     faces = {"face": [np.zeros(2), np.ones(1)], "all": [np.ones(2), np.zeros(1)]}
     meshio.Mesh(POINTS, cells, point_data=masks(), cell_data=faces).write(path)
     assert said("all", "face").startswith('materials.face = "face" (cell mask, no hexahedron)')
+
+
+@pytest.mark.parametrize(("wrong", "what"), [(-1, "node number -1"), (8, "node number 8")])
+def test_numbers_of_no_node_are_refused(wrong: int, what: str) -> None:
+    """Source: a cube with one node number that is none. Goal: it is refused with the number and the count of the nodes, in a cell and in a set of nodes; numpy takes
+    -1 for the last node without a word."""
+    cube = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
+    nodes = np.array([[0, 2, 3, 1, 4, 6, 7, 5]])
+    sound = meshio.Mesh(cube, [("hexahedron", nodes)], point_sets={"top": np.array([1, 3])})
+    mesh_in.numbered(sound, Path("a.vtu"))
+    of_cell = nodes.copy()
+    of_cell[0, 3] = wrong
+    for mesh in (
+        meshio.Mesh(cube, [("hexahedron", of_cell)]),
+        meshio.Mesh(cube, [("hexahedron", nodes)], point_sets={"top": np.array([1, wrong])}),
+    ):
+        with pytest.raises(Refused) as refused:
+            mesh_in.numbered(mesh, Path("a.vtu"))
+        said = str(refused.value.message)
+        assert what in said and "8 nodes" in said

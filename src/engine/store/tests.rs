@@ -141,7 +141,7 @@ fn writers_and_readers_do_not_meet() {
                                 whole += 1;
                             }
                             Found::Damaged(reason) => panic!("{reason}"),
-                            Found::Nothing | Found::Unsigned => {}
+                            Found::Unsigned | Found::Nothing => {}
                         },
                     }
                 }
