@@ -359,7 +359,7 @@ fn a_rail_on_sleepers_is_that_of_opensees() {
     const OTHER: f64 = 0.01;
     let lock = include_str!("../testing/requirements-peers.lock");
     let cache = Path::new(env!("CARGO_TARGET_TMPDIR"));
-    let Some(python) = railspring_testing::programs::locked(cache, "peers", lock) else { return };
+    let Some(python) = railspring_testing::locked(cache, "peers", lock) else { return };
     let place = Place::new();
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/tracks/sleepers.py");
     let theirs = place.0.path().join("theirs.csv");
