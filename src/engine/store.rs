@@ -10,8 +10,8 @@
 //! program that was built anew may compute something else under the same
 //! version. The output folder lists its files by the same key.
 
-mod entry;
 mod key;
+mod entry;
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};

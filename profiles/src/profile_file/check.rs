@@ -326,9 +326,10 @@ fn trim_start(points: &mut Vec<MeasuredPoint>, spikes: &mut Findings<'_>) {
     }
     let Some(last) = (0..MOST).rev().find(|&i| astray(i)) else { return };
     let ahead = |from: usize, to: usize| points[to].point - points[from].point;
-    // Of the two, the second one alone may be the one that is off.
-    if ahead(1, 2).norm() > LONG * usual
-        && ahead(0, 2).norm() < LONG * usual
+    // Of the two, the second one alone may be the one that is off. Along a steep side steps are longer than usual.
+    let long = LONG * usual.max(ahead(2, 3).norm());
+    if ahead(1, 2).norm() > long
+        && ahead(0, 2).norm() < long
         && turn(ahead(0, 2), ahead(2, 4)).abs() < AFTER_LONG
     {
         let off = points.remove(1);
