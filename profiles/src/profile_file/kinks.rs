@@ -24,7 +24,7 @@ const HIDDEN: f64 = 0.1 * MILLIMETRE;
 const LONG_TO_STEP: f64 = 3.0;
 /// A step on a straight line is no gap where it turns less than this from a neighbour, degrees, ...
 const STRAIGHT: f64 = 1.0;
-/// ... and is at most so many times as long as it.
+/// ... and is at most so many times as long as it; a step that is longer by more than this says nothing of its neighbours.
 const AS_LONG: f64 = 3.0;
 /// Steps of y are equal if all but a tenth at either end differ by less than this part of their median, ...
 const EQUAL: f64 = 0.2;
@@ -57,7 +57,9 @@ pub(super) fn report_gaps(points: &[MeasuredPoint], findings: &mut Vec<Finding>)
         let length = chord.norm();
         let beside: Vec<&Vector2<f64>> =
             [i.checked_sub(1), Some(i + 1)].into_iter().filter_map(|k| chords.get(k?)).collect();
-        let turned: f64 = beside.iter().map(|other| turn(**other, *chord).abs().to_radians()).sum();
+        // A step beside a hole turns by what the hole hides.
+        let alike = beside.iter().filter(|other| other.norm() <= AS_LONG * length);
+        let turned: f64 = alike.map(|other| turn(**other, *chord).abs().to_radians()).sum();
         // What an arc with the turn from the step before to the step after has between its ends and its chord.
         let hidden = length * turned.min(1.0) / 8.0;
         let long = length > LONG_TO_STEP * median && (length > LONG_GAP || hidden > HIDDEN);
