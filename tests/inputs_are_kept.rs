@@ -86,7 +86,7 @@ fn study_commands_keep_their_input() {
     refused(&place, &["element", "coarse.toml", "--fmu", "coarse.toml"], "coarse.toml", "coarse.toml");
     place.write(
         "t.toml",
-        "name = \"t\"\nbase = \"table.json\"\n[[wheel]]\nprofile = \"S1002\"\n[[rail]]\nprofile = \"60E1\"\n",
+        "name = \"t\"\nbase = \"table.json\"\nstiffness_at_kn = [20]\n[[wheel]]\nprofile = \"S1002\"\n[[rail]]\nprofile = \"60E1\"\n",
     );
     place.write("table.json", COARSE);
     refused(&place, &["table", "t.toml", "-o", "."], "table.json", "table.json");

@@ -116,17 +116,20 @@ pub(crate) use columns;
 /// A text as a cell of a CSV file: a spreadsheet takes one that begins with `=`, `+`, `-`, `@`, a tab or a carriage return for a formula, which
 /// may call other programs. So a quote comes before it, which shows it as a text. Numbers stay as they are.
 pub fn defused(text: &str) -> Cow<'_, str> {
-    match text.starts_with(FORMULA) && text.parse::<f64>().is_err() {
+    match is_formula(text) {
         true => format!("'{text}").into(),
         false => text.into(),
     }
 }
 
+/// A sign by itself, as in the place of a name, calls nothing.
+fn is_formula(text: &str) -> bool {
+    text.starts_with(FORMULA) && text.len() > 1 && text.parse::<f64>().is_err()
+}
+
 /// The text that [`defused`] made a cell of.
 pub fn as_given(cell: &str) -> &str {
-    cell.strip_prefix('\'')
-        .filter(|text| text.starts_with(FORMULA) && text.parse::<f64>().is_err())
-        .unwrap_or(cell)
+    cell.strip_prefix('\'').filter(|text| is_formula(text)).unwrap_or(cell)
 }
 
 /// The CSV file of rows, with the names of the columns first.
@@ -182,7 +185,7 @@ mod tests {
     /// was given; numbers, also negative ones, and texts with such a letter further on stay.
     #[test]
     fn formulas_are_defused() {
-        let kept = ["-1.5", "+2e3", "-inf", "S1002", "a=b", "", "'quoted"];
+        let kept = ["-1.5", "+2e3", "-inf", "S1002", "a=b", "", "-", "'quoted"];
         let formulas = ["=1+1", "@SUM(1)|cmd", "+A1", "-A1", "\t=1", "\r=1"];
         for text in kept {
             assert_eq!((defused(text).as_ref(), as_given(text)), (text, text));

@@ -120,7 +120,7 @@ impl OutputFolder {
     pub fn of_file(option: &str, path: &Path, inputs: &Inputs) -> Result<(Self, String)> {
         let name = path.file_name().and_then(|name| name.to_str()).filter(|_| !path.is_dir());
         let Some(name) = name else {
-            let expected = "the name of a file";
+            let expected = "the name of a file, not a folder";
             let remedy = "name a file in a folder that can be written";
             return Err(InputError::new(option, path.display(), expected, remedy).into());
         };

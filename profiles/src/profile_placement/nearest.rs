@@ -195,7 +195,9 @@ pub fn nearest(
 fn is_straight(points: &[Point2<f64>]) -> bool {
     let (Some(first), Some(last)) = (points.first(), points.last()) else { return true };
     let chord = last - first;
-    points.iter().all(|p| chord.perp(&(p - first)).abs() <= STRAIGHT * chord.norm())
+    // A closed outline ends where it begins.
+    chord.norm() > STRAIGHT
+        && points.iter().all(|p| chord.perp(&(p - first)).abs() <= STRAIGHT * chord.norm())
 }
 
 /// Root mean square of the distances over what wear leaves alone, m.

@@ -5,8 +5,8 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use super::artefact::{Address, Artefact, Kind};
 use super::key::StoreKey;
-use super::{Address, Artefact, Kind};
 use crate::hash::hash;
 use crate::plain_file;
 
