@@ -96,7 +96,9 @@ fn the_shipped_bridge_deflects_as_printed() {
     assert!((x - 10.90).abs() < 0.25, "{x}");
     let page = place.file("report.html");
     assert!(
-        page.contains("othing was verified") && page.contains("<svg") && !page.contains("http://"),
+        page.contains("othing was verified")
+            && page.contains("<svg")
+            && !["src=\"http", "href=\"http", "url(http"].iter().any(|from| page.contains(from)),
         "{page}"
     );
     let files = ["history.csv", "track.json", "report.html"];
@@ -204,8 +206,8 @@ x_m = 6.0
 fn a_table_is_what_it_samples() {
     let place = Place::new();
     let mut rows = String::from("# made\ntime_s;up;down\n");
-    for i in 0..=800 {
-        let t = f64::from(i) * 5e-5;
+    for i in 0..=200 {
+        let t = f64::from(i) * 2e-4;
         rows += &format!("{t};{};{}\n", -2.0 * (300.0 * t).sin(), 2.0 * (300.0 * t).sin());
     }
     place.write("sine.csv", &rows);
@@ -342,7 +344,11 @@ fn a_track_has_nothing_to_calibrate() {
     place.write("own.toml", &format!("{SLEEPERS}{table}"));
     let ran = place.command(&["run", "own.toml", "-o", "."]);
     assert_eq!(ran.code, 2, "{}", ran.said);
-    assert!(ran.said.contains("history.csv") && ran.said.contains("output folder"), "{}", ran.said);
+    assert!(
+        ran.said.contains("history.csv") && ran.said.contains("the same file as the input"),
+        "{}",
+        ran.said
+    );
     assert!(!place.0.path().join("track.json").exists());
     // simulate and a dry run are the same study
     assert_eq!(place.command(&["simulate", "study.toml", "-o", "other"]).code, 0);

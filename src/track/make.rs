@@ -37,6 +37,7 @@ pub fn made(study: &TrackStudy, folder: &OutputFolder, monitor: &dyn Monitor) ->
             "choose another one with -o",
         );
     }
+    [HISTORY, RECORD, REPORT].iter().try_for_each(|name| folder.inputs().check(&folder.file(name)))?;
     let run = study.case.run(monitor)?;
     let columns = columns_of(&study.case);
     let record = record(study, &run, &columns);

@@ -362,6 +362,9 @@ impl<'a, const N: usize> TrackDynamics<'a, N> {
         if force == 0.0 {
             return Some(state);
         }
+        if !self.track.is_held() {
+            return None;
+        }
         let factor = self.factor(0.0, [1.0, 0.0])?;
         let (element, xi) = self.place(x);
         add(&self.row(Carrier::Rail, Direction::Vertical, xi), &mut state.displacements, element, force);
@@ -372,9 +375,7 @@ impl<'a, const N: usize> TrackDynamics<'a, N> {
         let TrackState { displacements, masses, .. } = &mut state;
         self.settle(0.0, [1.0, 0.0], masses, displacements);
         masses.iter_mut().for_each(|mass| *mass = Motion { u: mass.a, ..Motion::default() });
-        // rounding leaves a stiffness to a track that has none
-        let held = self.deflection(&state, x).abs() < self.track.length;
-        held.then_some(state)
+        Some(state)
     }
 
     /// Gives a state the accelerations of its displacements and velocities under a load and the `force` (N) of the wheel.

@@ -98,6 +98,43 @@ pub struct Track {
     pub layers: Vec<Layers>,
 }
 
+impl Track {
+    /// Whether something holds the rail at rest: the stiffness of its supports against both of its rigid motions, of which rounding would leave a
+    /// little where there is none.
+    pub fn is_held(&self) -> bool {
+        let on_bridge = self.bridge.is_some() && self.holds(Carrier::Bridge, false);
+        self.holds(Carrier::Rail, on_bridge)
+    }
+
+    /// Whether supports hold a beam; those that stand on the bridge if that is held.
+    fn holds(&self, of: Carrier, on_bridge: bool) -> bool {
+        if of == Carrier::Rail && self.bed.is_some_and(|bed| bed.stiffness > 0.0) {
+            return true;
+        }
+        let stiff = |layers: &&Layers| {
+            let below = layers.below.is_none_or(|(_, layer)| layer.stiffness > 0.0);
+            layers.of == of
+                && layers.upper.stiffness > 0.0
+                && below
+                && (layers.onto == Onto::Ground || on_bridge)
+        };
+        let pitch = self.length / self.elements as f64;
+        let held = self.held.iter().filter(|held| held.of == of);
+        let held = held.map(|held| (held.node as f64 * pitch, held.direction));
+        let all = held.chain(self.layers.iter().filter(stiff).map(|layers| (layers.x, layers.direction)));
+        // one against the deflection, and another one elsewhere or one against rotation
+        let (mut first, mut turned) = (None, false);
+        for (x, direction) in all {
+            match (direction, first) {
+                (Direction::Rotation, _) => turned = true,
+                (Direction::Vertical, None) => first = Some(x),
+                (Direction::Vertical, Some(before)) => turned |= (x - before).abs() > 1e-9 * self.length,
+            }
+        }
+        first.is_some() && turned
+    }
+}
+
 /// An element's matrix in its two nodes with deflection and rotation each.
 pub(super) type Matrix4 = [[f64; 4]; 4];
 /// A row that gives a displacement from the same.
