@@ -12,6 +12,8 @@ use clap::Args;
 use railspring::cli::output::say;
 use railspring_profiles::error::Result;
 
+pub use sentences::Sentence;
+
 use crate::workspace::workspace;
 
 pub use sources::{Group, Source};
@@ -30,17 +32,6 @@ pub struct ProseArgs {
     /// Print the groups and the faults alone
     #[arg(short, long)]
     quiet: bool,
-}
-
-/// A sentence and where its paragraph begins.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Sentence {
-    /// Line of its paragraph, from 1.
-    pub line: usize,
-    /// Number of its words.
-    pub words: usize,
-    /// The sentence.
-    pub text: String,
 }
 
 /// The number of sentences, and how long they are.

@@ -2,7 +2,16 @@
 
 use pulldown_cmark::{Event, Options, Parser, Tag, TagEnd};
 
-use super::Sentence;
+/// A sentence and where its paragraph begins.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sentence {
+    /// Line of its paragraph, from 1.
+    pub line: usize,
+    /// Number of its words.
+    pub words: usize,
+    /// The sentence.
+    pub text: String,
+}
 
 /// Words with a point that end no sentence.
 const ABBREVIATIONS: [&str; 10] = ["e.g.", "i.e.", "cf.", "No.", "Fig.", "Eq.", "Sec.", "vs.", "al.", "pp."];

@@ -4,8 +4,7 @@ use std::path::{Path, PathBuf};
 
 use railspring_profiles::error::{InputError, Result};
 
-use super::Sentence;
-use super::sentences::{opening, sentences};
+use super::sentences::{Sentence, opening, sentences};
 use crate::workspace::{Workspace, files_below};
 
 /// Documents in the root of the project.
