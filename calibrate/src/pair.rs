@@ -5,7 +5,7 @@
 //! * [`CondensedPair`]: the bodies reduced to their contact nodes, which are pressed together;
 //! * [`ByReference`]: the laws against the section, of the approach alone and, where the rail was condensed on its foot, against that;
 //! * [`PressedPair`]: the states under the loads, to which the laws are fitted;
-//! * [`Pair::carry`]: measured surfaces on the bodies of others;
+//! * [`Pair::carry`]: measured surfaces on the bodies of others, [`wheel_between`]: a wheel of a diameter between those of two;
 //! * [`law_by_shift`]: the same bodies with the wheel in other places across the track, pressed along the contact normal: the law
 //!   by contact angle ([`AngleLaw`]);
 //! * [`ErrorBand`]: how far the laws change with the grid and with the meshes, which is what they are worth, and
@@ -37,5 +37,5 @@ pub use geometry::{Pair, PairMeshes};
 pub use horizontal_band::horizontal_changes;
 pub use references::ByReference;
 pub use series_beam::SeriesBeam;
-pub use shared::FARTHEST_SURFACE;
+pub use shared::{FARTHEST_SURFACE, wheel_between};
 pub use solids::{Orders, PairBody, PairSolids};

@@ -5,14 +5,15 @@ use railspring_calibrate::calibration::{ContactField, Enforcement, LoadPoint};
 use railspring_calibrate::mesh::MeshOptions;
 use railspring_calibrate::pair::{
     AngleLaw, AngleSettings, CondensedPair, ContactConditions, Pair, PairBody, PressDirection, law_by_shift,
+    wheel_between,
 };
 use railspring_calibrate::solid::{Formulation, Material};
 use railspring_profiles::monitor::Silent;
 use railspring_profiles::placement::TrackGeometry;
 use railspring_profiles::profile::ProfileCurve;
 use railspring_profiles::section::{
-    RailSection, WheelSection, rail_section, rail_section_with_head, wheel_section,
-    wheel_section_with_profile,
+    RailSection, WheelBody, WheelSection, rail_section, rail_section_with_head, wheel_section,
+    wheel_section_on, wheel_section_with_profile,
 };
 
 const LOADS: [f64; 4] = [20e3, 40e3, 70e3, 110e3];
@@ -70,6 +71,16 @@ fn flat(rail: &RailSection, depth: f64) -> RailSection {
     let range = [0.5e-3, curve.length() - 0.5e-3];
     let head = worn(curve, range, |p| Point2::new(p.x, p.y + depth * hill(p.x / 34e-3)));
     rail_section_with_head(rail.clone(), &head, &mut Vec::new()).unwrap()
+}
+
+/// The S1002 of 920 mm on a 60E1, turned down to a diameter, m: what is missing is missing from its rim.
+fn turned(diameter: f64) -> Pair {
+    const NEW: f64 = 0.92;
+    let usual = WheelBody::default();
+    let body = WheelBody { rim_depth: usual.rim_depth - 0.5 * (NEW - diameter), ..usual };
+    let running = wheel_section("S1002", diameter).unwrap().running;
+    let wheel = wheel_section_on(running, "S1002", diameter, &body).unwrap();
+    Pair::new(rail_section("60E1").unwrap(), wheel, &TrackGeometry::standard()).unwrap()
 }
 
 fn nominal() -> Pair {
@@ -134,4 +145,39 @@ fn what_bodies_do_not_carry_is_refused() {
     let leaning = TrackGeometry { inclination: 1.0 / 20.0, ..track };
     let leans = carry(rail.clone(), wheel.clone(), &leaning);
     assert!(leans.contains("leans by 2.862°") && leans.contains("1.432°"), "{leans}");
+}
+
+/// Source: the wheel of a diameter itself, meshed and condensed. Goal: displacement, tangent and horizontal stiffness (m, N) on a wheel that stands between two others, 20 mm apart
+/// and turned, with a hollow tread or without. Accuracy: BETWEEN, which docs/design/shared-bodies.md states; the smaller of the two is farther off in all of them. A diameter that is not between
+/// them is refused, and so are wheels with other contact nodes.
+#[test]
+fn a_turned_wheel_stands_between_two_others() {
+    const BETWEEN: [f64; 3] = [1.5e-3, 2e-3, 5e-3];
+    let track = TrackGeometry::standard();
+    let [smaller, own, larger] = [0.90, 0.91, 0.92].map(turned);
+    let [of_smaller, on_own, of_larger] = [&smaller, &own, &larger].map(condensed);
+    let pairs = [(&smaller, &of_smaller), (&larger, &of_larger)];
+    let (pair, bodies) = wheel_between(pairs, 0.455).unwrap();
+    let (rail, wheel) = (&own.rail, &own.wheel);
+    for wheel in [wheel.clone(), hollow(wheel, 1e-3)] {
+        let on = |(pair, bodies): (&Pair, &CondensedPair)| {
+            let (pair, bodies) = pair.carry(bodies, rail.clone(), wheel.clone(), &track).unwrap();
+            law(&pair, &bodies, 0.0)
+        };
+        let exact = on((&own, &on_own));
+        let changes = |other: &AngleLaw| {
+            let points = exact.laws.beam.points.iter().zip(&other.laws.beam.points);
+            let change = |of: fn(&LoadPoint) -> f64| {
+                points.clone().map(|(a, b)| (of(b) / of(a) - 1.0).abs()).fold(0.0, f64::max)
+            };
+            let [a, b] = [&exact, other].map(|law| law.fixed[0].horizontal_stiffness);
+            [change(|p| p.displacement), change(|p| p.solid_tangent), (b / a - 1.0).abs()]
+        };
+        let (found, of_one) = (changes(&on((&pair, &bodies))), changes(&on((&smaller, &of_smaller))));
+        for (i, between) in BETWEEN.into_iter().enumerate() {
+            assert!(found[i] < between && found[i] < of_one[i], "{i}: {found:?} {of_one:?}");
+        }
+    }
+    let beyond = wheel_between(pairs, 0.47).map(|_| ()).unwrap_err().to_string();
+    assert!(beyond.contains("470.0 mm") && beyond.contains("from 450.0 to 460.0 mm"), "{beyond}");
 }

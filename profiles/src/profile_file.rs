@@ -56,7 +56,7 @@ pub use recognition::format_of;
 pub use replicates::{REPLICATES, standard_uncertainty};
 pub use scatter::{Scatter, scatter};
 pub use section::{ClosedSection, parse_rail_section, parse_wheel_section, sketch_section};
-pub use slices::slice_files;
+pub use slices::{SliceFile, slice_files};
 pub use smooth::{Smoothed, smooth};
 pub use text::{LARGEST_FILE, decode};
 

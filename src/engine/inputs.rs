@@ -38,7 +38,7 @@ impl Inputs {
         };
         for path in paths {
             add(path.as_ref());
-            slice_files(path.as_ref()).iter().for_each(|slice| add(slice));
+            slice_files(path.as_ref()).iter().for_each(|slice| add(&slice.path));
         }
         Self { by_path: Arc::new(by_path), by_number: Arc::new(by_number) }
     }

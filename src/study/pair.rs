@@ -69,6 +69,12 @@ pub struct Wheel {
     pub tape_circle: Option<f64>,
     /// Diameter at the tape circle, m.
     pub tape_diameter: f64,
+    /// The same of the new wheel, where the study gives it, m: what was turned off since is missing from the rim.
+    #[serde(skip)]
+    pub new_diameter: Option<f64>,
+    /// Whether that was measured with the profile, so that each wheel of a fleet has another one.
+    #[serde(skip)]
+    pub diameter_measured: bool,
     /// Size of the flange.
     pub flange: Flange,
     /// Rim, web and hub.
@@ -87,6 +93,13 @@ impl Wheel {
     /// Name of its section: that of the standard, or the file of the study's own as the study names it.
     pub fn name(&self) -> Option<&str> {
         name(self.section.as_ref(), self.profile.as_deref())
+    }
+
+    /// The wheel with another diameter at its tape circle, m: turned to it where the study gives that of the new wheel.
+    pub fn with_tape_diameter(self, tape_diameter: f64) -> Self {
+        let turned = self.new_diameter.map_or(0.0, |_| 0.5 * (tape_diameter - self.tape_diameter));
+        let body = WheelBody { rim_depth: self.body.rim_depth + turned, ..self.body };
+        Self { tape_diameter, body, ..self }
     }
 }
 

@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use railspring_profiles::error::InputError;
+use railspring_profiles::profile::ProfileKind;
 use serde_json::{Map, Value};
 
 use super::document::{Keys, TableDocument};
 use super::files::beside;
 use super::folder::{Folder, FolderFile};
-use super::metadata::Metadata;
+use super::metadata::{Metadata, TAPE_DIAMETER};
 use super::sources::Sources;
 
 /// Keys of an entry that belong to the table, and not to a study.
@@ -31,6 +32,8 @@ pub(super) struct Body<'a> {
     pub varied: BTreeMap<&'a str, Value>,
     /// Whether its profile is one of the files of a folder, which may be no profiles.
     pub of_folder: bool,
+    /// Whether its diameter was measured with its profile.
+    pub diameter_of_file: bool,
     /// What is known of its measurement.
     pub metadata: Arc<Metadata>,
 }
@@ -54,7 +57,9 @@ impl<'a> Bodies<'a> {
     /// Those of the entries of a table.
     pub fn of(table: &Path, document: &'a TableDocument, mistaken: &mut dyn FnMut(InputError)) -> Self {
         let mut notices = Vec::new();
-        let mut reading = Reading { table, lists: lists(table, document), notices: &mut notices, mistaken };
+        let swept = document.sweep.contains_key(&format!("wheel.{TAPE_DIAMETER}"));
+        let mut reading =
+            Reading { table, lists: lists(table, document), swept, notices: &mut notices, mistaken };
         let wheels = bodies("wheel", &document.wheel, &mut reading);
         let rails = bodies("rail", &document.rail, &mut reading);
         Self { wheels, rails, notices }
@@ -72,6 +77,8 @@ fn lists(table: &Path, document: &TableDocument) -> Vec<PathBuf> {
 struct Reading<'r> {
     table: &'r Path,
     lists: Vec<PathBuf>,
+    /// Whether the table takes the diameters of its wheels from a list.
+    swept: bool,
     notices: &'r mut Vec<String>,
     mistaken: &'r mut dyn FnMut(InputError),
 }
@@ -101,7 +108,12 @@ fn bodies<'a>(list: &str, entries: &'a [Keys], reading: &mut Reading<'_>) -> Vec
 }
 
 /// A file of a folder, and what is known of its measurement.
-type KnownFile = (FolderFile, Arc<Metadata>);
+struct KnownFile {
+    file: FolderFile,
+    metadata: Arc<Metadata>,
+    /// Diameter of a wheel at its tape circle, m, where that is known.
+    diameter: Option<Value>,
+}
 
 /// An entry of a list of bodies.
 struct Entry<'a, 'l> {
@@ -150,8 +162,9 @@ impl<'a> Entry<'a, '_> {
             }
             return Some(vec![None]);
         };
+        let kind = if self.list == "wheel" { ProfileKind::Wheel } else { ProfileKind::Rail };
         let read = || {
-            let found = Folder::read(reading.table, folder, &reading.lists)
+            let found = Folder::read(reading.table, folder, kind, &reading.lists)
                 .map_err(|mistake| InputError { key: key("folder"), ..mistake })?;
             let list = list.as_deref().map(|file| (file, key(METADATA_FILE)));
             let pattern = pattern.as_deref().map(|pattern| (pattern, key(NAME_PATTERN)));
@@ -166,8 +179,19 @@ impl<'a> Entry<'a, '_> {
         }
         let known = sources.of_files(reading.table, &found.files);
         reading.notices.extend(known.notices.iter().map(|notice| format!("{place}: {notice}")));
-        let metadata = known.metadata.into_iter().map(Arc::new);
-        Some(found.files.into_iter().zip(metadata).map(Some).collect())
+        let known_file = |(file, mut metadata): (FolderFile, Metadata)| {
+            let diameter = metadata.remove(TAPE_DIAMETER);
+            KnownFile { file, metadata: Arc::new(metadata), diameter }
+        };
+        let files: Vec<KnownFile> = found.files.into_iter().zip(known.metadata).map(known_file).collect();
+        let with_diameter = files.iter().filter(|file| file.diameter.is_some()).count();
+        if self.list == "wheel" && with_diameter > 0 {
+            let of_files = format!("{with_diameter} of {} wheels", files.len());
+            let listed = reading.swept || self.keys.get(TAPE_DIAMETER).is_some_and(|given| given.is_array());
+            let taken = if listed { "those that the table lists are taken" } else { "they are taken" };
+            reading.notices.push(format!("{place}: {of_files} say their diameters; {taken}"));
+        }
+        Some(files.into_iter().map(Some).collect())
     }
 
     /// The text of a key, if it is there and is one.
@@ -192,16 +216,21 @@ impl<'a> Entry<'a, '_> {
             self.keys.iter().map(|(k, v)| (k.clone(), v.clone().into())).collect();
         keys.retain(|key, _| !OF_THE_TABLE.contains(&key.as_str()));
         keys.extend(varied.iter().map(|(key, value)| ((*key).to_string(), value.clone())));
-        if let Some((file, _)) = file {
+        let diameter = file.and_then(|file| file.diameter.as_ref());
+        let diameter = diameter.filter(|_| self.list == "wheel" && !varied.contains_key(TAPE_DIAMETER));
+        if let Some(KnownFile { file, .. }) = file {
             keys.insert("profile_file".into(), file.path.clone().into());
+        }
+        if let Some(diameter) = diameter {
+            keys.insert(TAPE_DIAMETER.into(), diameter.clone());
         }
         let text = |key: &str| keys.get(key).and_then(Value::as_str);
         let measured =
             || Path::new(text("profile_file")?).file_stem().map(|stem| stem.to_string_lossy().into());
         let name = match (name, file) {
-            (Some(name), Some((file, _))) => format!("{name}/{}", file.name),
+            (Some(name), Some(KnownFile { file, .. })) => format!("{name}/{}", file.name),
             (Some(name), None) => name.to_owned(),
-            (None, Some((file, _))) => file.name.clone(),
+            (None, Some(KnownFile { file, .. })) => file.name.clone(),
             (None, None) => text("profile")
                 .map(str::to_owned)
                 .or_else(measured)
@@ -213,7 +242,8 @@ impl<'a> Entry<'a, '_> {
             keys,
             varied: varied.clone(),
             of_folder: file.is_some(),
-            metadata: file.map(|(_, metadata)| Arc::clone(metadata)).unwrap_or_default(),
+            diameter_of_file: diameter.is_some(),
+            metadata: file.map(|file| Arc::clone(&file.metadata)).unwrap_or_default(),
         }
     }
 }

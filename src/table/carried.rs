@@ -55,16 +55,17 @@ impl BodiesRecord {
     /// Surfaces on their own bodies.
     pub const OWN: Self = Self { of: BodiesKey::Own, carried: None };
 
-    /// Surfaces that lie off the contact nodes of the bodies of their standards by at most so much, m.
-    pub fn off(off: f64) -> Self {
+    /// Surfaces that lie off the contact nodes of the bodies of their standards by at most so much, m; the wheel may stand `between` two others.
+    pub fn off(off: f64, between: bool) -> Self {
         let off_mm = off / MILLIMETRE;
-        // docs/design/shared-bodies.md: what bodies of the worn profiles changed, by a millimetre of wear, and by the meshes alone
-        let band = |by_mm: f64| 1e-3 + by_mm * off_mm;
+        // docs/design/shared-bodies.md: what bodies of the worn profiles changed, by a millimetre of wear, by the diameter, and by the meshes alone
+        let band =
+            |by_mm: f64, by_diameter: f64| 1e-3 + by_mm * off_mm + if between { by_diameter } else { 0.0 };
         let carried = CarriedRecord {
             off_mm,
-            displacement_rel_band: band(6e-3),
-            tangent_rel_band: band(8e-3),
-            horizontal_rel_band: band(5e-3),
+            displacement_rel_band: band(6e-3, 1.5e-3),
+            tangent_rel_band: band(8e-3, 6e-3),
+            horizontal_rel_band: band(5e-3, 5e-3),
             own: None,
         };
         Self { of: BodiesKey::Nominal, carried: Some(carried) }

@@ -13,7 +13,7 @@ use serde_json::{Map, Value};
 use super::bodies::{Bodies, product};
 use super::document::{Keys, TableDocument};
 use super::files::beside;
-use super::metadata::Metadata;
+use super::metadata::{Metadata, TAPE_DIAMETER};
 use super::pairs::{Pair, pairs};
 use crate::hash::hash;
 use crate::results::springs::make;
@@ -269,7 +269,7 @@ fn case(
     }
     keys.insert("name".into(), document.name.clone().into());
     let text = text_of_keys(&keys);
-    let (study, refused) = match Study::parse(path, &text) {
+    let (mut study, refused) = match Study::parse(path, &text) {
         Ok(study) => (study, None),
         Err(found) => {
             let Some(stand_in) = stand_in(keys, &found, (wheel, rail)) else { return Err(found) };
@@ -277,6 +277,8 @@ fn case(
             (Study::parse(path, &text_of_keys(&stand_in))?, Some(reason))
         }
     };
+    let swept_diameter = swept.contains_key(format!("wheel.{TAPE_DIAMETER}").as_str());
+    study.wheel.diameter_measured = wheel.diameter_of_file && !swept_diameter;
     let of_a_case = |mistake: InputError| Mistakes::sorted(vec![study.source.locate(mistake)]);
     if let Err(railspring_profiles::error::Error::Input(mistake)) = make::check_friction(study.statics()) {
         return Err(of_a_case(mistake));

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use railspring_profiles::error::InputError;
 use railspring_profiles::input;
-use railspring_profiles::profile_file::{LARGEST_FILE, format_of};
+use railspring_profiles::profile_file::{LARGEST_FILE, ProfileKind, SliceFile, format_of, slice_files};
 
 use super::files::beside;
 
@@ -25,6 +25,8 @@ pub(super) struct FolderFile {
     pub relative: String,
     /// Path as the table would name it.
     pub path: String,
+    /// Where it is among the slices of a list, by the name of a column: along a rail, or around a wheel.
+    pub slice_position: Option<(&'static str, f64)>,
 }
 
 /// The files of a folder.
@@ -37,11 +39,17 @@ pub(super) struct Folder {
 }
 
 impl Folder {
-    /// The files in a folder that a table names, and in the folders in it; hidden ones and those of `lists` are left out.
+    /// The files in a folder that a table names, and in the folders in it; hidden ones and those of `lists` are left out. A list of slices of a
+    /// `kind` stands for its slices.
     ///
     /// # Errors
     /// [`InputError`] with key `folder` for a folder that cannot be read, or has no file that may be a profile.
-    pub fn read(table: &Path, folder: &str, lists: &[PathBuf]) -> Result<Self, InputError> {
+    pub fn read(
+        table: &Path,
+        folder: &str,
+        kind: ProfileKind,
+        lists: &[PathBuf],
+    ) -> Result<Self, InputError> {
         let root = beside(table, folder);
         let refused = |value: String| {
             let expected = format!("a folder with profile files; {}", root.display());
@@ -59,16 +67,59 @@ impl Folder {
         if files.is_empty() {
             return Err(refused(format!("{folder:?}, which has no profile file")));
         }
+        let (files, slices) = with_slices(&root, files, kind);
         let mut stems: BTreeMap<String, usize> = BTreeMap::new();
-        files.iter().for_each(|relative| *stems.entry(stem(relative)).or_default() += 1);
-        let file = |relative: String| {
+        files.keys().for_each(|relative| *stems.entry(stem(relative)).or_default() += 1);
+        let file = |(relative, inside): (String, String)| {
             let stem = stem(&relative);
             let name = if stems[&stem] > 1 { relative.clone() } else { stem.clone() };
-            let path = Path::new(folder).join(&relative).to_string_lossy().into_owned();
-            FolderFile { stem, name, relative, path }
+            let path = Path::new(folder).join(inside).to_string_lossy().into_owned();
+            let slice_position = slices.get(&relative).copied();
+            FolderFile { stem, name, relative, path, slice_position }
         };
         Ok(Self { files: files.into_iter().map(file).collect(), others })
     }
+}
+
+/// Files by what they are called, with their paths from the folder on; and the positions of those that are slices, with the columns that they stand in.
+type Called = (BTreeMap<String, String>, BTreeMap<String, (&'static str, f64)>);
+
+/// Files of a folder at `root`, with the slices of a `kind` in the place of their lists: each once, whether it lies in the folder or not.
+/// A list that is not understood stays, and so does one of another kind.
+fn with_slices(root: &Path, files: Vec<String>, kind: ProfileKind) -> Called {
+    let of_list = |relative: &String| -> Vec<SliceFile> {
+        slice_files(&root.join(relative)).into_iter().filter(|slice| slice.kind == kind).collect()
+    };
+    let (mut lists, mut called) = (Vec::new(), BTreeMap::new());
+    for relative in files {
+        let slices = of_list(&relative);
+        if slices.is_empty() {
+            called.insert(relative.clone(), relative);
+        } else {
+            lists.push((relative, slices));
+        }
+    }
+    let real = |path: &Path| path.canonicalize().ok();
+    let mut known: BTreeMap<PathBuf, String> = match lists.is_empty() {
+        true => BTreeMap::new(),
+        false => called.keys().filter_map(|name| Some((real(&root.join(name))?, name.clone()))).collect(),
+    };
+    let column = if kind == ProfileKind::Rail { "slice_position_mm" } else { "slice_position_rad" };
+    let mut positions = BTreeMap::new();
+    for (list, slices) in lists {
+        for SliceFile { position, path, .. } in slices {
+            let real = real(&path).unwrap_or_else(|| path.clone());
+            let name = known.entry(real).or_insert_with(|| {
+                let file = path.file_name().unwrap_or_default().to_string_lossy();
+                let name = format!("{}/{file}", stem(&list));
+                let inside = path.strip_prefix(root).unwrap_or(&path);
+                called.insert(name.clone(), inside.to_string_lossy().into_owned());
+                name
+            });
+            positions.entry(name.clone()).or_insert((column, position));
+        }
+    }
+    (called, positions)
 }
 
 /// A path without the ending of its file.
@@ -163,13 +214,42 @@ mod tests {
         #[cfg(unix)]
         std::os::unix::fs::symlink(place.path().join("m"), place.path().join("m/b/again")).unwrap();
         let table = place.path().join("table.toml");
-        let folder = Folder::read(&table, "m", &[place.path().join("m/fleet.csv")]).unwrap();
+        let folder =
+            Folder::read(&table, "m", ProfileKind::Wheel, &[place.path().join("m/fleet.csv")]).unwrap();
         let names: Vec<&str> = folder.files.iter().map(|file| file.name.as_str()).collect();
         assert_eq!(names, ["a/x.txt", "a/x.whl", "b/c/rows", "b/late", "first", "v1.2"]);
         assert_eq!((folder.files[0].stem.as_str(), folder.files[3].relative.as_str()), ("a/x", "b/late.whl"));
         assert_eq!(Path::new(&folder.files[4].path), Path::new("m").join("first.ban"));
         assert_eq!(folder.others, ["a/notes.pdf"]);
-        let none = Folder::read(&table, "m/b/none", &[]).unwrap_err();
+        let none = Folder::read(&table, "m/b/none", ProfileKind::Wheel, &[]).unwrap_err();
         assert_eq!(none.key, "folder");
+    }
+    /// Source: the lists of slices of CONTACT, which name a file for each position. Goal: the slices of a list are bodies with their positions, each once, whether it lies in the
+    /// folder or beside it; a list that is broken, or of another kind, stays a file.
+    #[test]
+    fn a_list_of_slices_stands_for_them() {
+        let place = tempfile::tempdir().unwrap();
+        let write = |name: &str, content: &str| {
+            let path = place.path().join(name);
+            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+            std::fs::write(path, content).unwrap();
+        };
+        for name in ["m/a/1.whl", "m/2.whl", "beside/3.whl"] {
+            write(name, "0 0\n1 0\n2 0\n3 0\n4 0\n");
+        }
+        write("m/a/round.slcw", "0 1\n3\n0 0 0\n1\n0 '1.whl'\n1.5 '../2.whl'\n3 '../../beside/3.whl'\n");
+        write("m/broken.slcw", "0 1\nmany\n");
+        write("m/along.slcs", "0 1\n1\n0 0 0\n1\n0 'a/1.whl'\n");
+        let folder = Folder::read(&place.path().join("t.toml"), "m", ProfileKind::Wheel, &[]).unwrap();
+        let found: Vec<(&str, Option<f64>)> = folder
+            .files
+            .iter()
+            .map(|file| (file.name.as_str(), file.slice_position.map(|(_, position)| position)))
+            .collect();
+        let slices = [("2", Some(1.5)), ("a/1", Some(0.0)), ("a/round/3", Some(3.0))];
+        assert_eq!(found, [slices[0], slices[1], slices[2], ("along", None), ("broken", None)]);
+        for file in &folder.files {
+            assert!(place.path().join(&file.path).is_file(), "{}", file.path);
+        }
     }
 }

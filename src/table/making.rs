@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use super::carried::{BodiesRecord, OwnRecord, is_checked};
 use super::document::{BodiesKey, DirectionKey, TableDocument};
-use super::shared::{Common, OnBodies, Sharing};
+use super::shared::{Common, OnBodies, Sharing, shares};
 use super::surfaces::MeasuredRecord;
 use crate::engine::store::{Address, Artefact, Kind, Store};
 use crate::hash::key;
@@ -123,7 +123,10 @@ impl<'a> Settings<'a> {
     pub fn address(&self, study: &Study, towards: f64) -> Address {
         // the uncertainty of inputs is asked for where the table gives it
         let statics = if is_uncertain(study) { study.statics() } else { study.statics().exact() };
-        Address::of(Kind::Place, &(statics, self.direction, self.bodies, self.stiffness_at_kn, towards))
+        // a wheel between two others is another one than the same wheel itself
+        let between = shares(study, self.bodies) && study.wheel.diameter_measured;
+        let depends_on = (statics, self.direction, self.bodies, self.stiffness_at_kn, towards, between);
+        Address::of(Kind::Place, &depends_on)
     }
 }
 
@@ -177,20 +180,29 @@ impl CaseWork<'_> {
     pub fn ready(&self) -> Result<Ready> {
         let sharing = self.with_keys(|| Sharing::of(self.study, self.settings.bodies))?;
         let Some(sharing) = sharing else { return self.own() };
-        let nominal = CaseWork { study: &sharing.nominal, ..*self };
-        let ready = self.nominals.get(key(&nominal.study.statics()), || nominal.own())?;
-        self.carried(sharing, &ready)
+        let nominal = |study: &Study| {
+            let case = CaseWork { study, ..*self };
+            self.nominals.get(key(&study.statics()), || case.own())
+        };
+        let ready: Result<Vec<Arc<Ready>>> = sharing.nominals.iter().map(nominal).collect();
+        match ready {
+            Ok(ready) => self.carried(sharing, &ready),
+            // a wheel turned to the next smaller diameter may have no rim left
+            Err(Error::Input(_)) if sharing.nominals.len() > 1 => self.own(),
+            Err(other) => Err(other),
+        }
     }
 
     /// The case on ready bodies of its nominal profiles; on its own where these do not carry it.
-    fn carried(&self, sharing: Sharing, Ready { room, on_bodies, .. }: &Ready) -> Result<Ready> {
-        match sharing.on(self.study, on_bodies) {
+    fn carried(&self, sharing: Sharing, ready: &[Arc<Ready>]) -> Result<Ready> {
+        let nominals: Vec<&OnBodies> = ready.iter().map(|ready| &ready.on_bodies).collect();
+        match sharing.on(self.study, &nominals) {
             Ok(on_bodies) => {
                 let own = is_checked(&key(&self.study.statics())).then(|| self.without_band()).transpose()?;
-                let bodies = Some(BodiesRecord::off(on_bodies.geometry.pair.off_bodies));
-                Ok(Ready { own, bodies, ..Ready::new(self.study, *room, on_bodies) })
+                let bodies = Some(BodiesRecord::off(on_bodies.geometry.pair.off_bodies, ready.len() > 1));
+                Ok(Ready { own, bodies, ..Ready::new(self.study, ready[0].room, on_bodies) })
             }
-            // another inclination, or worn too far
+            // another inclination, worn too far, or wheels with other nodes
             Err(Error::Input(_)) => self.own(),
             Err(other) => Err(other),
         }
@@ -203,14 +215,16 @@ impl CaseWork<'_> {
         CaseWork { study: &study, ..*self }.own().map(|own| own.on_bodies)
     }
 
-    /// The case whose bodies are condensed for this one: that of its nominal profiles, or itself.
+    /// What `with` makes of each case whose bodies are condensed for this one: those of its nominal profiles, or itself.
     ///
     /// # Errors
-    /// Those of its files.
-    pub fn with_bodies<T>(&self, with: impl FnOnce(&CaseWork<'_>) -> Result<T>) -> Result<T> {
+    /// Those of its files, and of `with`.
+    pub fn with_bodies<T>(&self, with: impl Fn(&CaseWork<'_>) -> Result<T>) -> Result<Vec<T>> {
         match self.with_keys(|| Sharing::of(self.study, self.settings.bodies))? {
-            Some(sharing) => with(&CaseWork { study: &sharing.nominal, ..*self }),
-            None => with(self),
+            Some(sharing) => {
+                sharing.nominals.iter().map(|study| with(&CaseWork { study, ..*self })).collect()
+            }
+            None => Ok(vec![with(self)?]),
         }
     }
 

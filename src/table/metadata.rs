@@ -1,6 +1,7 @@
 //! What is known of a measurement beside its profile: vehicle, axle, date, mileage and whatever else its sources say.
 
 use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
 
 use serde_json::Value;
 
@@ -10,7 +11,7 @@ use super::dates::iso;
 pub type Metadata = BTreeMap<String, Value>;
 
 /// Fixed names, and the keys that stand for them in letters and digits alone: the first one that a source has.
-const KNOWN: [(&str, &[&str]); 8] = [
+const KNOWN: [(&str, &[&str]); 9] = [
     (
         "vehicle",
         &[
@@ -34,13 +35,21 @@ const KNOWN: [(&str, &[&str]); 8] = [
     ("side", &["side", "rail"]),
     ("date", &["date", "measuringdate", "measurementdate", "dateofmeasurement"]),
     (MILEAGE, &["mileage", "km", "kp", "kilometer", "kilometre", "chainage"]),
+    (
+        TAPE_DIAMETER,
+        &["tapediameter", "tapecirclediameter", "diametertaperline", "wheeldiameter", "diameter"],
+    ),
     ("line", &["line", "lineno", "lineid", "linenumber"]),
     ("position", &["position", "location", "pos"]),
 ];
 /// The fixed name of the mileage.
 const MILEAGE: &str = "mileage_km";
+/// The fixed name of the diameter at the tape circle, which is the key of a wheel.
+pub(super) const TAPE_DIAMETER: &str = "tape_diameter_m";
+/// Diameters of wheels, m; what is outside is not one, or not in the unit that is said.
+const DIAMETERS: RangeInclusive<f64> = 0.2..=2.0;
 /// Entries in the headers of MiniProf files that say what was measured; the others are of the instrument and the points.
-const OF_A_HEADER: [&str; 37] = [
+const OF_A_HEADER: [&str; 38] = [
     "vehicle",
     "vehicleno",
     "vehicleid",
@@ -78,6 +87,7 @@ const OF_A_HEADER: [&str; 37] = [
     "flag",
     "id",
     "temperature",
+    "diametertaperline",
 ];
 
 /// What the header of a file says of its measurement.
@@ -107,10 +117,11 @@ pub(super) fn of_source(mut entries: Vec<(String, String)>) -> Metadata {
         let (key, value) = &entries[at];
         let value: Option<Value> = match name {
             MILEAGE => kilometres(key, value).map(Value::from),
+            TAPE_DIAMETER => metres(key, value).map(Value::from),
             "date" => Some(iso(value).unwrap_or_else(|| value.trim().to_owned()).into()),
             _ => Some(value.trim().into()),
         };
-        // a mileage that is no number stays what it is
+        // a mileage or a diameter that is no number stays what it is
         if let Some(value) = value {
             metadata.insert(name.into(), value);
             entries.remove(at);
@@ -141,20 +152,40 @@ fn split_unit(key: &str) -> (&str, Option<&str>) {
         return (name, Some(unit.trim_matches([']', ')', ' '])));
     }
     match key.trim().rsplit_once(['_', ' ']) {
-        Some((name, unit @ ("km" | "m"))) => (name, Some(unit)),
+        Some((name, unit @ ("km" | "m" | "mm"))) => (name, Some(unit)),
         _ => (key, None),
     }
 }
 
-/// A mileage, km, by the unit of its key or of its value: that of a mileage or of a kilometre is km, that of a chainage has to be said.
-fn kilometres(key: &str, value: &str) -> Option<f64> {
+/// The number of a value, and its unit in lower case if it or the key has one.
+fn with_unit<'v>(key: &str, value: &'v str) -> (&'v str, Option<String>) {
     let value = value.trim();
-    let (name, of_key) = split_unit(key);
+    let (_, of_key) = split_unit(key);
     let end = value.rfind(|c: char| c.is_ascii_digit()).map_or(0, |at| at + 1);
     let (number, of_value) = (&value[..end], value[end..].trim());
     let of_value = Some(of_value.trim_matches(['[', ']', '(', ')'])).filter(|unit| !unit.is_empty());
-    let usual = (plain(name) != "chainage").then_some("km");
-    let unit = of_value.or(of_key).or(usual)?.to_lowercase();
+    (number, of_value.or(of_key).map(str::to_lowercase))
+}
+
+/// A diameter of a wheel, m, by the unit of its key or of its value; without one it is in mm or in m, whichever a wheel can have.
+fn metres(key: &str, value: &str) -> Option<f64> {
+    let (number, unit) = with_unit(key, value);
+    let number: f64 = number.replace(',', ".").parse().ok()?;
+    let in_m = match unit.as_deref() {
+        Some("m") => number,
+        Some("mm") => number * 1e-3,
+        None if DIAMETERS.contains(&number) => number,
+        None => number * 1e-3,
+        Some(_) => return None,
+    };
+    DIAMETERS.contains(&in_m).then(|| (in_m * 1e9).round() / 1e9)
+}
+
+/// A mileage, km, by the unit of its key or of its value: that of a mileage or of a kilometre is km, that of a chainage has to be said.
+fn kilometres(key: &str, value: &str) -> Option<f64> {
+    let (number, unit) = with_unit(key, value);
+    let usual = (plain(split_unit(key).0) != "chainage").then(|| "km".to_owned());
+    let unit = unit.or(usual)?;
     let to_km = match unit.as_str() {
         "km" => 1.0,
         "m" => 1e-3,
@@ -224,6 +255,25 @@ mod tests {
             ("Sd".into(), "30".into()),
         ];
         assert_eq!(of_header(header).into_keys().collect::<Vec<_>>(), ["uof1"]);
+    }
+
+    /// Goal: a diameter is in m, by its unit or by what a wheel can have; what is no diameter of a wheel stays a text under its own name. Unit: m.
+    /// Accuracy: 1e-9, what is written.
+    #[test]
+    fn diameters_are_in_metres() {
+        for (key, value, expected) in [
+            ("DiameterTaperline", "852.4", "tape_diameter_m=0.8524"),
+            ("Wheel diameter [mm]", "852,4", "tape_diameter_m=0.8524"),
+            ("tape_diameter_m", "0.8524", "tape_diameter_m=0.8524"),
+            ("diameter", "0.92 m", "tape_diameter_m=0.92"),
+            ("diameter", "920", "tape_diameter_m=0.92"),
+            ("diameter_mm", "0.92", "diameter_mm=0.92"),
+            ("DiameterTaperline", "0", "diameter_taperline=0"),
+            ("diameter", "36 in", "diameter=36 in"),
+            ("diameter", "new", "diameter=new"),
+        ] {
+            assert_eq!(of(&[(key, value)]), expected, "{key} {value}");
+        }
     }
 
     /// Goal: a mileage is in km where its unit is known; else it stays a text under its own name. Unit: km. Accuracy: 1e-9, what is written.

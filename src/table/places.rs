@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use super::cases::{Case, Table};
 use super::document::SideKey;
 use super::making::{CaseWork, PlaceRecord, Ready, Settings};
-use super::shared::{Common, nominal, shares};
+use super::shared::{Common, nominals, shares};
 use super::surfaces::MeasuredRecord;
 use super::turns::{Pairs, in_turn};
 use crate::engine::store::Store;
@@ -141,14 +141,17 @@ impl<'a> Places<'a> {
             let of = |case: &usize| {
                 let Case { study, parts, .. } = &self.table.cases[*case];
                 match shares(study, self.table.document.bodies()) {
-                    true => (parts_of(&nominal(study).statics())[part].clone(), true),
+                    true => nominals(study)
+                        .iter()
+                        .map(|nominal| (parts_of(&nominal.statics())[part].clone(), true))
+                        .collect(),
                     false => {
                         let measured = study.rail.measured.is_some() || study.wheel.measured.is_some();
-                        (parts[part].clone(), measured)
+                        vec![(parts[part].clone(), measured)]
                     }
                 }
             };
-            missing.keys().map(of).collect::<BTreeSet<_>>().len()
+            missing.keys().flat_map(of).collect::<BTreeSet<_>>().len()
         };
         let [wheels, rails] = [bodies(0), bodies(1)];
         let refused = |place: &&Place| self.table.cases[place.case].refused.is_some();

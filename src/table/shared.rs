@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use railspring_calibrate::pair::CondensedPair;
+use railspring_calibrate::pair::{CondensedPair, wheel_between};
 use railspring_profiles::error::Result;
+use railspring_profiles::units::MILLIMETRE;
 
 use super::document::BodiesKey;
 use crate::results::bodies::coarser::{Coarser, CoarserBodies};
@@ -51,18 +52,48 @@ pub(super) fn shares(study: &Study, bodies: BodiesKey) -> bool {
     bodies == BodiesKey::Nominal && measured && !drawn && study.statics().meshes_are_ours()
 }
 
-/// A study without its measured surfaces; where it does not name their standards, these are missing. Its contact zones go down as far as those of measured profiles.
-pub(super) fn nominal(study: &Study) -> Study {
+/// Diameters of the nominal wheels that measured ones are pressed on are multiples of this, m.
+///
+/// What is left of that between two of them stands in docs/design/shared-bodies.md.
+const DIAMETERS_APART: f64 = 0.02;
+/// Diameters that are the same, m: rounding.
+const SAME_DIAMETER: f64 = 1e-9;
+
+/// Studies without measured surfaces, whose bodies carry those of a study: one, or two with the diameters next to that of a wheel whose own was measured.
+/// Where the study does not name its standards, these are missing. The contact zones go down as far as those of measured profiles.
+pub(super) fn nominals(study: &Study) -> Vec<Study> {
     let mut nominal = study.clone();
     nominal.mesh.rail_zone.face_depth += DEEPER;
     (nominal.rail.measured, nominal.wheel.measured) = (None, None);
-    nominal
+    let diameters = match study.wheel.measured {
+        Some(_) if study.wheel.diameter_measured => {
+            next_to(study.wheel.tape_diameter, study.wheel.new_diameter.unwrap_or(f64::INFINITY))
+        }
+        _ => vec![study.wheel.tape_diameter],
+    };
+    let with = |diameter: f64| {
+        let mut study = nominal.clone();
+        study.wheel = study.wheel.with_tape_diameter(diameter);
+        study
+    };
+    diameters.into_iter().map(with).collect()
+}
+
+/// The diameters of nominal wheels that a diameter lies between, or the one that it is, m; none is larger than the `largest`.
+fn next_to(diameter: f64, largest: f64) -> Vec<f64> {
+    let number = diameter / DIAMETERS_APART;
+    let nominal = |number: f64| (number * DIAMETERS_APART / MILLIMETRE).round() * MILLIMETRE;
+    let around = [nominal(number.floor()), nominal(number.ceil()).min(largest)];
+    match around.iter().any(|nominal| (nominal - diameter).abs() < SAME_DIAMETER) {
+        true => vec![diameter],
+        false => around.to_vec(),
+    }
 }
 
 /// A case on the bodies of its nominal profiles.
 pub(super) struct Sharing {
-    /// The case with its standards in the place of its measured profiles.
-    pub nominal: Study,
+    /// The case with its standards in the place of its measured profiles: one, or two with the diameters next to that of its wheel.
+    pub nominals: Vec<Study>,
     /// Its own surfaces.
     pub surfaces: Surfaces,
 }
@@ -78,40 +109,56 @@ impl Sharing {
             return Ok(None);
         }
         let surfaces = Surfaces::read(study.statics())?;
-        let mut nominal = nominal(study);
+        let mut nominals = nominals(study);
         let bases = [surfaces.rail.assumed.as_ref(), surfaces.wheel.assumed.as_ref()];
         let [of_rail, of_wheel] = bases.map(|assumed| assumed.map(|assumed| assumed.base.clone()));
-        if rail.measured.is_some() {
-            nominal.rail.profile = of_rail;
+        for nominal in &mut nominals {
+            if rail.measured.is_some() {
+                nominal.rail.profile.clone_from(&of_rail);
+            }
+            if wheel.measured.is_some() {
+                nominal.wheel.profile.clone_from(&of_wheel);
+            }
         }
-        if wheel.measured.is_some() {
-            nominal.wheel.profile = of_wheel;
-        }
-        Ok(Some(Self { nominal, surfaces }))
+        Ok(Some(Self { nominals, surfaces }))
     }
 
-    /// The case on the bodies of its nominal profiles.
+    /// The case on the bodies of its nominal profiles, those of its [`nominals`](Self::nominals).
     ///
     /// # Errors
     /// Surfaces that these bodies do not carry.
-    pub fn on(self, study: &Study, nominal: &OnBodies) -> Result<OnBodies> {
+    pub fn on(self, study: &Study, nominals: &[&OnBodies]) -> Result<OnBodies> {
         let (statics, Surfaces { rail, wheel }) = (study.statics(), self.surfaces);
+        let radius = 0.5 * study.wheel.tape_diameter;
+        let [first, others @ ..] = nominals else { unreachable!("a case has nominal profiles") };
         let mut carried = None;
         let geometry = Geometry::of_surfaces(statics, rail, wheel, |rail, wheel, inclination| {
             let track = track(statics, inclination);
-            let of_bodies = &nominal.geometry;
-            let on =
-                |bodies: &CondensedPair| of_bodies.pair.carry(bodies, rail.clone(), wheel.clone(), &track);
-            let (pair, bodies) = on(&nominal.bodies)?;
-            let coarser = match &nominal.coarser {
+            let on = |bodies: &CondensedPair, of_other: Option<&CondensedPair>| {
+                let pair = &first.geometry.pair;
+                let (rail, wheel) = (rail.clone(), wheel.clone());
+                match others.first().zip(of_other) {
+                    None => pair.carry(bodies, rail, wheel, &track),
+                    Some((other, of_other)) => {
+                        let pairs = [(pair, bodies), (&other.geometry.pair, of_other)];
+                        let (pair, bodies) = wheel_between(pairs, radius)?;
+                        pair.carry(&bodies, rail, wheel, &track)
+                    }
+                }
+            };
+            let (pair, bodies) = on(&first.bodies, others.first().map(|other| &other.bodies))?;
+            let of_other = others.first().and_then(|other| other.coarser.as_ref());
+            let of_other = of_other.and_then(|(_, coarser)| coarser.as_ref().ok());
+            let coarser = match &first.coarser {
                 Some((element, Ok(Coarser { contact_element, bodies }))) => {
-                    Some((*element, Ok(Coarser::new(*contact_element, on(bodies)?.1))))
+                    let (_, bodies) = on(bodies, of_other.map(|other| &other.bodies))?;
+                    Some((*element, Ok(Coarser::new(*contact_element, bodies))))
                 }
                 Some((element, Err(reason))) => Some((*element, Err(reason.clone()))),
                 None => None,
             };
             carried = Some((bodies, coarser));
-            Ok(of_bodies.with_surfaces(pair))
+            Ok(first.geometry.with_surfaces(pair))
         })?;
         let (bodies, coarser) = carried.expect("the surfaces were laid on the bodies");
         Ok(OnBodies { geometry, bodies, coarser })

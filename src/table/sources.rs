@@ -58,6 +58,7 @@ impl Sources {
             // a file that cannot be read has a row that says so
             let content = input::read(&beside(table, &file.path), LARGEST_FILE).unwrap_or_default();
             let mut metadata = of_header(header_entries(&file.relative, &content));
+            metadata.extend(file.slice_position.map(|(column, position)| (column.into(), position.into())));
             if let Some(pattern) = &self.pattern {
                 let values = pattern.values(&file.stem);
                 of_no_pattern += usize::from(values.is_none());
@@ -132,6 +133,7 @@ mod tests {
             stem,
             relative: relative.into(),
             path: format!("measured/{relative}"),
+            slice_position: None,
         }
     }
 

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use super::cases::{Case, Table, text_of_keys};
 use super::document::{BodiesKey, DirectionKey, Keys};
 use super::making::{BodyOfCase, CaseWork, Settings};
-use super::shared::{Common, nominal, shares};
+use super::shared::{Common, nominals, shares};
 use crate::engine::store::Store;
 use crate::hash::key;
 use crate::results::bodies::estimate::Resources;
@@ -43,6 +43,8 @@ struct SentCase {
     keys: Keys,
     /// Content of the files (base64).
     files: BTreeMap<String, String>,
+    /// Whether the diameter of the wheel was measured with its profile.
+    diameter_measured: bool,
     /// Hash of what springs depend on: the study must be the same there.
     springs: String,
 }
@@ -111,7 +113,9 @@ impl Package {
         for &number in cases {
             let study = &table.cases[number].study;
             if shares(study, bodies) {
-                alike.entry(key(&nominal(study).statics())).or_default().push(number);
+                let keys: Vec<String> =
+                    nominals(study).iter().map(|nominal| key(&nominal.statics())).collect();
+                alike.entry(keys.concat()).or_default().push(number);
             } else {
                 groups.push(vec![number]);
             }
@@ -155,7 +159,8 @@ impl SentCase {
             }
         }
         let keys = toml::from_str(&text_of_keys(&keys)).expect("the keys of a case are keys");
-        Self { keys, files, springs: key(&case.study.statics()) }
+        let diameter_measured = wheel.diameter_measured;
+        Self { keys, files, diameter_measured, springs: key(&case.study.statics()) }
     }
 
     /// The study, with its files in `folder`.
@@ -174,11 +179,12 @@ impl SentCase {
             std::fs::write(folder.join(name), content)
                 .map_err(|cause| unusable(format!("{name}: {cause}")))?;
         }
-        let study = Study::parse(&folder.join("case.toml"), &text_of_keys(&self.keys))
+        let mut study = Study::parse(&folder.join("case.toml"), &text_of_keys(&self.keys))
             .map_err(|mistakes| unusable(mistakes.messages().join("; ")))?;
         if key(&study.statics()) != self.springs {
             return Err(unusable("another study than on the machine that sends it".into()).into());
         }
+        study.wheel.diameter_measured = self.diameter_measured;
         Ok(study)
     }
 }
@@ -213,7 +219,15 @@ impl Work {
             .collect();
         let answer = match &self.step {
             Step::Prepare => first_of(&cases, prepared)?,
-            Step::Condense { entry } => first_of(&cases, |case| condensed(case, entry))?,
+            Step::Condense { entry } => {
+                let answer = first_of(&cases, |case| condensed(case, entry))?;
+                if answer.entries.is_empty() && answer.refused.len() < cases.len() {
+                    let expected = "the file of one of the bodies of the cases";
+                    let remedy = "run the same program on all machines";
+                    return Err(InputError::new("entry", entry, expected, remedy).into());
+                }
+                answer
+            }
             Step::Press { shifts_mm } => self.pressed(&cases, shifts_mm)?,
         };
         // a result that the store does not keep goes nowhere
@@ -264,7 +278,19 @@ fn first_of(cases: &[CaseWork<'_>], of: impl Fn(&CaseWork<'_>) -> Result<Answer>
     let mut refused = Vec::new();
     for (number, case) in cases.iter().enumerate() {
         match or_reason(case.with_bodies(&of))? {
-            Ok(answer) => return Ok(Answer { refused, ..answer }),
+            Ok(answers) => {
+                let mut all = Answer { refused, ..Answer::default() };
+                for answer in answers {
+                    all.bodies.extend(answer.bodies);
+                    all.entries.extend(answer.entries);
+                }
+                // wheels of two diameters stand on the same rail
+                all.bodies.sort_by(|a, b| a.entry.cmp(&b.entry));
+                all.bodies.dedup_by(|a, b| a.entry == b.entry);
+                all.entries.sort();
+                all.entries.dedup();
+                return Ok(all);
+            }
             Err(reason) => refused.push((number, reason)),
         }
     }
@@ -281,12 +307,12 @@ fn prepared(case: &CaseWork<'_>) -> Result<Answer> {
     Ok(Answer { bodies: needed.collect(), entries, ..Answer::default() })
 }
 
+/// Condenses the body of an entry if it is one of the case.
 fn condensed(case: &CaseWork<'_>, entry: &str) -> Result<Answer> {
     let meshed = case.meshed()?;
     let is_wanted = |(_, key): &(BodyOfCase, String)| body_address(key).file() == entry;
     let Some((body, _)) = case.bodies(&case.prepared_of(&meshed)).into_iter().find(is_wanted) else {
-        let expected = "the file of one of the bodies of the case";
-        return Err(InputError::new("entry", entry, expected, "run the same program on all machines").into());
+        return Ok(Answer::default());
     };
     case.condense(&meshed, body)?;
     Ok(Answer { entries: vec![entry.to_owned()], ..Answer::default() })

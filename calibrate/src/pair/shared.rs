@@ -1,22 +1,26 @@
 //! Measured surfaces on the bodies of others: a contact lives on a fine grid of its own, and of its bodies it takes a smooth far field, which a
-//! millimetre of wear changes by per cents.
+//! millimetre of wear changes by per cents. The wheel of a diameter stands between those of two others.
 
 use super::bodies::CondensedPair;
 use super::geometry::Pair;
 use super::solids::PairBody;
 use crate::mesh::SurfaceGrid;
 use crate::superelement::CondensedBody;
+use faer::Scale;
 use nalgebra::{Point2, Vector3};
 use railspring_profiles::error::{InputError, Result};
 use railspring_profiles::placement::TrackGeometry;
 use railspring_profiles::profile::ProfileCurve;
 use railspring_profiles::section::{RailSection, WheelSection};
 use railspring_profiles::units::MILLIMETRE;
+use std::sync::Arc;
 
 /// Farthest that a surface may lie off the nodes of bodies that carry it, m. Up to 3 mm of wear the displacement is within 1.6 %.
 pub const FARTHEST_SURFACE: f64 = 4.0 * MILLIMETRE;
 /// Turn of a rail against the one whose body it is on, rad: rounding.
 const SAME_TURN: f64 = 1e-9;
+/// Distance of nodes of two wheels that are at the same place, m: the lengths of the elements along the circumference are rounded to fill it.
+const SAME_PLACE: f64 = 0.1 * MILLIMETRE;
 
 impl Pair {
     /// Other surfaces in a `track` on the condensed `bodies` of this pair: the nodes of the bodies' grids go to the nearest places of these
@@ -62,6 +66,56 @@ impl Pair {
         let off_bodies = off.max(away).max((self.wheel.radius - pair.wheel.radius).abs());
         Ok((Self { off_bodies, ..pair }, bodies.with_bodies(wheel, rail_on_ends, rail_on_foot)))
     }
+}
+
+/// The first of two condensed pairs, which differ in the diameter of their wheels alone, with a wheel of a `radius` (m) between theirs: its
+/// compliance is that of both, in proportion.
+///
+/// # Errors
+/// [`InputError`] for wheels whose grids have other nodes, and for a radius that is not between theirs.
+pub fn wheel_between(pairs: [(&Pair, &CondensedPair); 2], radius: f64) -> Result<(Pair, CondensedPair)> {
+    let [(smaller, of_smaller), (larger, of_larger)] = pairs;
+    let radii = [smaller, larger].map(|pair| pair.wheel.radius);
+    let share = (radius - radii[0]) / (radii[1] - radii[0]);
+    let refused = |value: String, expected: String| {
+        InputError::refuse(PairBody::Wheel.name(), value, expected, "condense a wheel of this diameter")
+    };
+    if !(0.0..=1.0).contains(&share) {
+        let expected = format!("from {:.1} to {:.1} mm", radii[0] / MILLIMETRE, radii[1] / MILLIMETRE);
+        return refused(format!("a radius of {:.1} mm", radius / MILLIMETRE), expected);
+    }
+    let [one, other] = [&of_smaller.wheel, &of_larger.wheel];
+    if !are_alike([&one.grid, &other.grid], radii) {
+        return refused("two wheels with other contact nodes".into(), "the same nodes on both".into());
+    }
+    let mix = |a: f64, b: f64| a + share * (b - a);
+    let compliance = &*one.compliance * Scale(1.0 - share) + &*other.compliance * Scale(share);
+    let along_track = one.grid.along_track.iter().map(|angle| angle * radii[0] / radius).collect();
+    let wheel = CondensedBody {
+        key: format!("{share} between {} and {}", one.key, other.key),
+        compliance: Arc::new(compliance),
+        grid: SurfaceGrid { along_track, ..one.grid.clone() },
+        nodes: one.nodes.iter().zip(&other.nodes).map(|(a, b)| a + share * (b - a)).collect(),
+        mass: mix(one.mass, other.mass),
+        modes: None,
+        file: None,
+        ..one.clone()
+    };
+    let mut pair = smaller.clone();
+    pair.wheel.radius = radius;
+    let CondensedPair { rail_on_ends, rail_on_foot, .. } = of_smaller;
+    Ok((pair, of_smaller.with_bodies(wheel, rail_on_ends.clone(), rail_on_foot.clone())))
+}
+
+/// Whether the nodes of two grids on wheels of these radii (m) have the same places along the profile and the same arc lengths.
+fn are_alike(grids: [&SurfaceGrid; 2], radii: [f64; 2]) -> bool {
+    let alike = |a: &[f64], b: &[f64], radii: [f64; 2]| {
+        let near = |(a, b): (&f64, &f64)| (a * radii[0] - b * radii[1]).abs() < SAME_PLACE;
+        a.len() == b.len() && a.iter().zip(b).all(near)
+    };
+    let [one, other] = grids;
+    alike(&one.along_profile, &other.along_profile, [1.0; 2])
+        && alike(&one.along_track, &other.along_track, radii)
 }
 
 /// The grid of a body with its lines at the nearest places of another surface, and with other angles in proportion; and how far the farthest line is off it, m.

@@ -76,14 +76,24 @@ pub(super) fn choose(
     Ok((file, content, Finding::new(FindingKind::PassedOver, action, text)))
 }
 
-/// The files of the slices that the list at `path` names; none where it is no list of slices, or not understood.
-pub fn slice_files(path: &Path) -> Vec<PathBuf> {
-    if kind(path).is_none() {
-        return Vec::new();
-    }
+/// A slice of a list.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SliceFile {
+    /// What it is a slice of.
+    pub kind: ProfileKind,
+    /// Where it is along a rail, mm, or around a wheel, rad.
+    pub position: f64,
+    /// Its file.
+    pub path: PathBuf,
+}
+
+/// The slices that the list at `path` names; none where it is no list of slices, or not understood.
+pub fn slice_files(path: &Path) -> Vec<SliceFile> {
+    let Some(kind) = kind(path) else { return Vec::new() };
     let name = path.display().to_string();
     let listed = || parse(&name, &decode(&name, &input::read(path, LARGEST_FILE).ok()?).ok()?).ok();
-    listed().unwrap_or_default().iter().map(|slice| beside(path, &slice.file)).collect()
+    let file = |slice: &Slice| SliceFile { kind, position: slice.position, path: beside(path, &slice.file) };
+    listed().unwrap_or_default().iter().map(file).collect()
 }
 
 /// The file of a slice, which is named from the folder of the list.

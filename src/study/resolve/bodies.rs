@@ -247,6 +247,8 @@ pub(super) fn wheel(
         measured,
         tape_circle: keys.tape_circle_mm.map(|mm| mm * MILLIMETRE),
         tape_diameter: keys.tape_diameter_m,
+        new_diameter: keys.new_diameter_m,
+        diameter_measured: false,
         flange,
         body,
         body_given: keys.surface.profile_file.is_none() || BODY_KEYS.iter().any(|key| source.gives(key)),
