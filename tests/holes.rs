@@ -47,7 +47,9 @@ fn a_hole_enters_the_rows_of_a_table() {
         Place::new(env!("CARGO_BIN_EXE_railspring"), concat!(env!("CARGO_TARGET_TMPDIR"), "/everyday"));
     write_rails(&place);
     place.write("base.toml", &COARSE.replace("error_band = false", ""));
-    let rail = |name: &str| format!("[[rail]]\nname = \"{name}\"\nprofile_file = \"{name}.prr\"\nstandard = \"60E1\"\n");
+    let rail = |name: &str| {
+        format!("[[rail]]\nname = \"{name}\"\nprofile_file = \"{name}.prr\"\nstandard = \"60E1\"\n")
+    };
     let head = "base = \"base.toml\"\nbodies = \"nominal\"\nstiffness_at_kn = [60]\n[[wheel]]\nprofile = \"S1002\"\n";
     place.write("both.toml", &format!("name = \"both\"\n{head}{}{}", rail("whole"), rail("holed")));
     place.write("one.toml", &format!("name = \"one\"\n{head}{}", rail("whole")));
@@ -61,7 +63,10 @@ fn a_hole_enters_the_rows_of_a_table() {
         let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
         let cell = |row: usize, name: &str| &rows[row][names.iter().position(|own| own == name).unwrap()];
         let band = "stiffness_rel_error_band_at_60kn";
-        assert!(cell(0, "findings_left").is_empty() && cell(0, band).parse::<f64>().unwrap() > 0.0, "{rows:?}");
+        assert!(
+            cell(0, "findings_left").is_empty() && cell(0, band).parse::<f64>().unwrap() > 0.0,
+            "{rows:?}"
+        );
         let found = cell(1, "findings_left");
         assert!(found.starts_with("rail holed.prr: lines ") && found.contains("gap 10."), "{found}");
         assert!(cell(1, band).is_empty() && cell(1, "status") == "complete", "{rows:?}");

@@ -85,6 +85,8 @@ fn study_commands_keep_their_input() {
     let converted = place.run(&["profile", "convert", "r.prr", "out/load_curve.csv"]);
     assert_eq!(converted.status.code(), Some(0), "{}", message(&converted));
     refused(&place, &["run", "measured.toml", "-o", "out"], "out/load_curve.csv", "out/load_curve.csv");
+    // another study would replace it, too
+    std::fs::remove_file(place.path("out/load_curve.csv")).unwrap();
     for name in ["stiffness.json", "contact.vtu", "figures/law.svg", "notes.json"] {
         let file = format!("out/{name}");
         place.write(&file, RAIL);
@@ -195,7 +197,8 @@ fn no_command_replaces_what_a_user_has_put_into_its_folder() {
 #[test]
 fn a_study_that_was_edited_is_the_users() {
     let place = place();
-    let fit = |more: &[&str]| place.run(&[&["fit", "S1002", "60E1", "-o", "out"], &COARSELY[..], more].concat());
+    let fit =
+        |more: &[&str]| place.run(&[&["fit", "S1002", "60E1", "-o", "out"], &COARSELY[..], more].concat());
     for more in [&[][..], &["--set", "contact.friction=0.4"]] {
         let answer = fit(more);
         assert!(matches!(answer.status.code(), Some(0 | 1)), "{}", message(&answer));

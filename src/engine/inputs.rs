@@ -78,8 +78,9 @@ pub(super) fn names_in(folder: &Path) -> Vec<String> {
     let mut names = Vec::new();
     for entry in entries(folder) {
         match entry.path().is_dir() {
-            true => names
-                .extend(entries(&entry.path()).map(|inner| format!("{}/{}", name(&entry), name(&inner)))),
+            true => {
+                names.extend(entries(&entry.path()).map(|inner| format!("{}/{}", name(&entry), name(&inner))))
+            }
             false => names.push(name(&entry)),
         }
     }

@@ -182,7 +182,8 @@ impl<'a> Results<'a> {
         }
         let list = self.list();
         let mut names = names_in(self.folder.path()).into_iter();
-        let unlisted = names.find(|name| is_output(name) && name != RESULTS && !list.files.contains_key(name));
+        let unlisted =
+            names.find(|name| is_output(name) && name != RESULTS && !list.files.contains_key(name));
         unlisted.map_or(Ok(()), |name| not_a_users(&self.folder.file(&name)))
     }
 
@@ -351,7 +352,8 @@ mod tests {
     fn a_users_file_is_not_replaced() {
         let (_root, folder) = folder();
         let results = Results::new(&folder);
-        let write = |name: &str, content: &[u8]| results.write(vec![NewFile::new(name, content.into(), "k")], &[]);
+        let write =
+            |name: &str, content: &[u8]| results.write(vec![NewFile::new(name, content.into(), "k")], &[]);
         let is_refused = |done: Result<()>, name: &str| {
             let said = done.unwrap_err().to_string();
             assert!(said.contains(name) && said.contains("has not written"), "{said}");

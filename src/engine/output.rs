@@ -426,7 +426,12 @@ mod tests {
     fn a_folder_is_claimed_once() {
         let root = tempfile::tempdir().unwrap();
         let folder = OutputFolder::create(&root.path().join("out"), &Inputs::none()).unwrap();
-        let left = [".railspring-x1", "figures/.railspring-x2", "crosscheck/.railspring-x3", "fields/.railspring-x4"];
+        let left = [
+            ".railspring-x1",
+            "figures/.railspring-x2",
+            "crosscheck/.railspring-x3",
+            "fields/.railspring-x4",
+        ];
         let others = ["kept.txt", "store/.railspring-x5"];
         left.iter().chain(&others).for_each(|name| folder.write(name, b"half").unwrap());
         let claim = folder.claim().unwrap();

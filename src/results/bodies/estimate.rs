@@ -406,8 +406,14 @@ mod tests {
             said
         };
         let said = refused(0.05e-3);
-        assert!(said.starts_with("mesh.contact_element_mm = 0.05 (") && said.contains("take larger elements"), "{said}");
+        assert!(
+            said.starts_with("mesh.contact_element_mm = 0.05 (") && said.contains("take larger elements"),
+            "{said}"
+        );
         let said = refused(0.2e-3);
-        assert!(said.starts_with("mesh.contact_element_mm = 0.2 (") && said.contains("take mesh.contact"), "{said}");
+        assert!(
+            said.starts_with("mesh.contact_element_mm = 0.2 (") && said.contains("take mesh.contact"),
+            "{said}"
+        );
     }
 }

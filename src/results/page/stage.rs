@@ -211,9 +211,7 @@ fn crosscheck_page(
     let results = Results::new(folder);
     let key = results.entry(CROSSCHECK).map_or_else(|| record.input_hash.clone(), |entry| entry.key);
     // the page shows seconds and the host
-    let file = NewFile {
-        reproducible: false,
-        ..NewFile::new(CROSSCHECK_PAGE, page(&data).into_bytes(), &key)
-    };
+    let file =
+        NewFile { reproducible: false, ..NewFile::new(CROSSCHECK_PAGE, page(&data).into_bytes(), &key) };
     results.write(vec![file], &[])
 }

@@ -122,7 +122,9 @@ fn the_sizes_are_those_of_the_meshes() {
             let all = MeshSize::of(of);
             println!("{least:?} of {all:?}");
             // the layers are a third of a mesh at least, so that they say how large it is
-            least.contact == all.contact && (all.nodes / 3..all.nodes).contains(&least.nodes) && least.hexes < all.hexes
+            least.contact == all.contact
+                && (all.nodes / 3..all.nodes).contains(&least.nodes)
+                && least.hexes < all.hexes
         };
         assert!(is_part(least_rail_size(&section, LENGTH, &options).unwrap(), &mesh));
         let mesh = mesh_wheel(&round, &options).unwrap();

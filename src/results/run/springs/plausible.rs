@@ -57,9 +57,8 @@ pub(super) fn implausible(
         of("the mass of the wheel".into(), record.wheel_mass_kg, MASS, "kg", "that it is in kg"),
     ];
     let from_common = |at: &&SubsurfaceRecord| (at.force_kn / COMMON_KN).ln().abs();
-    let stress = calibration.and_then(|of| {
-        of.subsurface.iter().min_by(|a, b| from_common(a).total_cmp(&from_common(b)))
-    });
+    let stress = calibration
+        .and_then(|of| of.subsurface.iter().min_by(|a, b| from_common(a).total_cmp(&from_common(b))));
     let pressure = stress.and_then(|at| {
         let what = format!("the largest pressure at {} kN, by the shear stress below it,", at.force_kn);
         of(what, PRESSURE_OVER_SHEAR * at.max_shear_mpa, PRESSURE, "MPa", "the profiles and the material")

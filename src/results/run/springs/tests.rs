@@ -158,8 +158,11 @@ fn the_condensed_element_is_that_beside_the_law() {
         assert_eq!(springs.element_blake3, None, "{keys}");
     }
     // nor is what was edited elsewhere
-    std::fs::write(&beside, to_json(&StiffnessByAngleRecord { pair: samples::by_angle().pair, ..laws.clone().sealed() }))
-        .unwrap();
+    std::fs::write(
+        &beside,
+        to_json(&StiffnessByAngleRecord { pair: samples::by_angle().pair, ..laws.clone().sealed() }),
+    )
+    .unwrap();
     for study in [&default, &asking] {
         assert!(read(study).unwrap_err().to_string().contains("edited after it was written"));
     }
