@@ -7,6 +7,22 @@ use railspring_testing::{Place, message, said};
 const COARSE: &str = include_str!("studies/coarse.toml");
 const RAIL: &str = include_str!("../data/profiles/worn-60e1.prr");
 const WHEEL: &str = include_str!("../data/profiles/worn-s1002.whl");
+const BRIDGE: &str = include_str!("../data/studies/vbi-2d.toml");
+/// Keys that make a pair coarse, as `COARSE`.
+const COARSELY: [&str; 12] = [
+    "--set",
+    "mesh.contact_element_mm=6",
+    "--set",
+    "mesh.contact_element_along_mm=6",
+    "--set",
+    "calibration.load_count=4",
+    "--set",
+    "calibration.load_min_kn=5",
+    "--set",
+    "calibration.shifts_mm=[]",
+    "--set",
+    "calibration.error_band=false",
+];
 
 /// A folder with a study and two profiles; its tests have one store.
 fn place() -> Place {
@@ -69,6 +85,8 @@ fn study_commands_keep_their_input() {
     let converted = place.run(&["profile", "convert", "r.prr", "out/load_curve.csv"]);
     assert_eq!(converted.status.code(), Some(0), "{}", message(&converted));
     refused(&place, &["run", "measured.toml", "-o", "out"], "out/load_curve.csv", "out/load_curve.csv");
+    // another study would replace it, too
+    std::fs::remove_file(place.path("out/load_curve.csv")).unwrap();
     for name in ["stiffness.json", "contact.vtu", "figures/law.svg", "notes.json"] {
         let file = format!("out/{name}");
         place.write(&file, RAIL);
@@ -121,4 +139,73 @@ fn a_folder_keeps_what_is_not_of_the_program() {
     );
     // the lists of rows: a user's one is not replaced
     assert!(said(&place.run(&["export", springs, "--to", "json", "-o", "x"])).contains("x/"));
+}
+
+/// Runs a command that has to be refused before any work because `file` in its output folder is a user's; all files of the folder stay as they are.
+fn kept(place: &Place, arguments: &[&str], file: &str) {
+    let before = place.read(file);
+    let answer = place.run(arguments);
+    let said = message(&answer);
+    assert_eq!(answer.status.code(), Some(2), "{arguments:?}: {said}");
+    assert!(said.contains("a file that this program has not written") && said.contains(file), "{said}");
+    assert_eq!(place.read(file), before, "{arguments:?}");
+}
+
+/// Source: a file that a user has put into an output folder under the name of a result. Goal: no command replaces it or writes anything beside it. A study that was edited
+/// after `fit` wrote it is the user's; the untouched one is written again.
+#[test]
+fn no_command_replaces_what_a_user_has_put_into_its_folder() {
+    let place = place();
+    let alone = |arguments: &[&str], name: &str| {
+        let out = place.path("out");
+        std::fs::create_dir_all(out.join("figures")).unwrap();
+        place.write(&format!("out/{name}"), "a user's");
+        kept(&place, &[arguments, &["-o", "out"]].concat(), &format!("out/{name}"));
+        let left = std::fs::read_dir(&out).unwrap().map(|entry| entry.unwrap().file_name());
+        let left: Vec<_> = left.filter(|entry| entry != "figures").collect();
+        assert_eq!(left, [name], "{arguments:?}");
+        std::fs::remove_dir_all(&out).unwrap();
+    };
+    for (command, name) in [
+        ("run", "report.html"),
+        ("run", "results.json"),
+        ("calibrate", "stiffness.json"),
+        ("calibrate", "measured.json"),
+        ("mesh", "rail.vtu"),
+        ("crosscheck", "crosscheck.html"),
+    ] {
+        alone(&[command, "coarse.toml"], name);
+    }
+    alone(&["fit", "S1002", "60E1"], "study.toml");
+    alone(&["fit", "S1002", "60E1"], "report.html");
+    let pair = "[[wheel]]\nprofile = \"S1002\"\n[[rail]]\nprofile = \"60E1\"\n";
+    place.write("t.toml", &format!("name = \"t\"\nbase = \"coarse.toml\"\nstiffness_at_kn = [20]\n{pair}"));
+    for name in ["table.csv", "table.json", "table.html", "table.parquet"] {
+        alone(&["table", "t.toml"], name);
+    }
+    place.write("bridge.toml", BRIDGE);
+    for name in ["history.csv", "track.json", "report.html"] {
+        alone(&["run", "bridge.toml"], name);
+    }
+    for _ in 0..2 {
+        let answer = place.run(&["run", "bridge.toml", "-o", "out"]);
+        assert_eq!(answer.status.code(), Some(0), "{}", message(&answer));
+    }
+}
+
+/// Source: the study that `fit` leaves in its folder. Goal: as it was written it is written again; with an own key in it, it is the user's and stays.
+#[test]
+fn a_study_that_was_edited_is_the_users() {
+    let place = place();
+    let fit =
+        |more: &[&str]| place.run(&[&["fit", "S1002", "60E1", "-o", "out"], &COARSELY[..], more].concat());
+    for more in [&[][..], &["--set", "contact.friction=0.4"]] {
+        let answer = fit(more);
+        assert!(matches!(answer.status.code(), Some(0 | 1)), "{}", message(&answer));
+    }
+    let written = place.read("out/study.toml");
+    assert!(written.contains("friction = 0.4"), "{written}");
+    place.write("out/study.toml", &format!("{written}\n[review]\nauthor = \"me\"\n"));
+    let arguments = [&["fit", "S1002", "60E1", "-o", "out"], &COARSELY[..]].concat();
+    kept(&place, &arguments, "out/study.toml");
 }

@@ -3,7 +3,7 @@
 //! Goal: nothing is lost and nothing is wrong. Whatever is in the store after a kill is taken by the next table, which comes to the bytes of one
 //! that was left alone; every file in the output folder is a whole one, of this table or of the one before; a disk that is full costs what
 //! does not fit there and no more; tables that run at the same time on one store come to their bytes each. Source: the same tables,
-//! left alone, equal to the byte. Half of the kills come at a random time, half right after a random change in the output folder or in the
+//! left alone, equal to the byte; a table with a folder of measured wheels, and its page of the fleet, too. Half of the kills come at a random time, half right after a random change in the output folder or in the
 //! store. The full disk is a file system of a given size (tmpfs in a mount namespace). `cargo long interrupted_tables` does more of each.
 #![cfg(unix)]
 
@@ -13,7 +13,7 @@ use std::process::{Command, Output, Stdio};
 use std::sync::OnceLock;
 use std::time::{Duration, Instant, SystemTime};
 
-use crate::tables::Place;
+use crate::tables::{Place, hollow_wheels};
 use railspring_testing::{Need, Random, await_changes, needs};
 
 /// Two wheels on a rail at two shifts.
@@ -21,12 +21,17 @@ const TABLE: &str = "name = \"fleet\"\nbase = \"base.toml\"\nshifts_mm = [0, 2]\
     [[wheel]]\nprofile = \"S1002\"\n[[wheel]]\nname = \"worn\"\nprofile_file = \"worn.whl\"\nstandard = \"S1002\"\n\
     [[rail]]\nprofile = \"60E1\"\n";
 const PLACES: usize = 4;
+/// As many measured wheels as make a page of a fleet, on a rail.
+const FLEET: &str = "name = \"fleet\"\nbase = \"base.toml\"\nshifts_mm = [0]\nstiffness_at_kn = [20, 60]\n\
+    [[wheel]]\nfolder = \"measured\"\nstandard = \"S1002\"\n[[rail]]\nprofile = \"60E1\"\n";
+const WHEELS: usize = 21;
 
 type Files = BTreeMap<&'static str, Vec<u8>>;
 
-/// The table and another one with the same bodies, both left alone.
+/// A table and another one with the same bodies, both left alone.
 struct Clean {
     place: Place,
+    places: usize,
     files: [Files; 2],
     /// How long the first one took.
     duration: Duration,
@@ -37,21 +42,40 @@ struct Clean {
 fn clean() -> &'static Clean {
     static MADE: OnceLock<Clean> = OnceLock::new();
     MADE.get_or_init(|| {
-        let place = Place::new(TABLE);
-        place.write("other.toml", &TABLE.replace("shifts_mm = [0, 2]", "shifts_mm = [-1, 1]"));
-        let begun = Instant::now();
-        let mut files = Vec::new();
-        let mut duration = None;
-        for (table, out) in [("table.toml", "clean"), ("other.toml", "other")] {
-            whole(&run(&place, table, &place.path(out), &place.path("clean-store"), &[]).output().unwrap());
-            duration.get_or_insert(begun.elapsed());
-            files.push(place.files(out));
-        }
-        let stored = entries(&place.path("clean-store")).values().map(|(bytes, _)| bytes).sum();
-        let files: [Files; 2] = files.try_into().unwrap();
-        assert!(files[0].iter().all(|(name, content)| *content != files[1][name]));
-        Clean { place, files, duration: duration.unwrap(), stored }
+        let made = left_alone(
+            Place::new(TABLE),
+            PLACES,
+            &TABLE.replace("shifts_mm = [0, 2]", "shifts_mm = [-1, 1]"),
+        );
+        assert!(made.files[0].iter().all(|(name, content)| *content != made.files[1][name]));
+        made
     })
+}
+
+fn fleet() -> &'static Clean {
+    static MADE: OnceLock<Clean> = OnceLock::new();
+    MADE.get_or_init(|| {
+        let place = Place::new(FLEET);
+        hollow_wheels(&place.path("measured"), WHEELS);
+        let made = left_alone(place, WHEELS, &FLEET.replace("shifts_mm = [0]", "shifts_mm = [1]"));
+        assert!(
+            ["table.csv", "table_fleet.html"].iter().all(|name| made.files[0][name] != made.files[1][name])
+        );
+        made
+    })
+}
+
+fn left_alone(place: Place, places: usize, other: &str) -> Clean {
+    place.write("other.toml", other);
+    let begun = Instant::now();
+    let mut duration = None;
+    let files = [("table.toml", "clean"), ("other.toml", "other")].map(|(table, out)| {
+        whole(&run(&place, table, &place.path(out), &place.path("clean-store"), &[]).output().unwrap());
+        duration.get_or_insert(begun.elapsed());
+        files(&place.path(out))
+    });
+    let stored = entries(&place.path("clean-store")).values().map(|(bytes, _)| bytes).sum();
+    Clean { place, places, files, duration: duration.unwrap(), stored }
 }
 
 fn run(place: &Place, table: &str, out: &Path, store: &Path, more: &[&str]) -> Command {
@@ -99,11 +123,12 @@ fn copy(from: &Path, to: &Path) {
 
 fn files(out: &Path) -> Files {
     let read = |name| Some((name, std::fs::read(out.join(name)).ok()?));
-    ["table.csv", "table.json", "table.html", "table.parquet"].into_iter().filter_map(read).collect()
+    let names =
+        ["table.csv", "table.json", "table.html", "table.parquet", "table_fleet.html", "table_typical.toml"];
+    names.into_iter().filter_map(read).collect()
 }
 
-fn killed(kills: usize) {
-    let Clean { place, files: [wanted, earlier], duration, .. } = clean();
+fn killed(Clean { place, places, files: [wanted, earlier], duration, .. }: &Clean, kills: usize) {
     let root = tempfile::tempdir().unwrap();
     let [out, store, copied, after] = ["out", "store", "copied", "after"].map(|name| root.path().join(name));
     let mut random = Random::new(kills as u64);
@@ -119,8 +144,8 @@ fn killed(kills: usize) {
         if kill % 2 == 0 {
             std::thread::sleep(*duration * random.below(1000) as u32 / 1000);
         } else {
-            // seven entries of the store and three files, each under a temporary name and renamed
-            let changes = 1 + random.below(20);
+            // an entry for each place, some for the bodies, and the files, each under a temporary name and renamed
+            let changes = 1 + random.below(2 * (places + 6) as u64);
             await_changes(&mut child, changes, || [&out, &store].map(|folder| entries(folder)));
         }
         in_time += usize::from(child.try_wait().unwrap().is_none());
@@ -137,7 +162,7 @@ fn killed(kills: usize) {
         let said = whole(&run(place, "table.toml", &out, &copied, &[]).output().unwrap());
         assert!(said.contains(&format!("{kept} of them in the store")), "kill {kill}, {kept}: {said}");
         assert!(files(&out) == *wanted, "kill {kill}: another table than one that was left alone");
-        assert_eq!((count(&out, ".railspring-"), count(&copied, "place-")), (0, PLACES), "kill {kill}");
+        assert_eq!((count(&out, ".railspring-"), count(&copied, "place-")), (0, *places), "kill {kill}");
         whole(&run(place, "table.toml", &after, &copied, &[]).output().unwrap());
         assert!(files(&after) == *wanted, "kill {kill}");
         *found.entry(kept).or_insert(0) += 1;
@@ -261,7 +286,14 @@ fn at_once(rounds: usize) {
 #[test]
 #[ignore = "a quarter of a minute: cargo long interrupted_tables"]
 fn a_killed_table_loses_nothing() {
-    killed(2);
+    killed(clean(), 2);
+}
+
+/// Goal: the same of a table with a folder of measured wheels, whose page and typical wheels are those of one that was left alone.
+#[test]
+#[ignore = "a minute: cargo long interrupted_tables"]
+fn a_killed_fleet_loses_nothing() {
+    killed(fleet(), 2);
 }
 
 #[test]
@@ -276,11 +308,12 @@ fn tables_share_a_store() {
     at_once(1);
 }
 
-/// Goal: after each of a hundred kills, on full disks, and with several tables at once on one store, a table has the bytes of one that nothing disturbed.
+/// Goal: after each of a hundred kills, twenty of a fleet, on full disks, and with several tables at once on one store, a table has the bytes of one that nothing disturbed.
 #[test]
-#[ignore = "four minutes: cargo long interrupted_tables"]
+#[ignore = "ten minutes: cargo long interrupted_tables"]
 fn a_hundred_kills_full_disks_and_tables_at_once() {
-    killed(100);
+    killed(clean(), 100);
+    killed(fleet(), 20);
     let stored = clean().stored;
     on_full_disks(&(0..20).map(|part| stored * (2 * part + 1) / 36).collect::<Vec<u64>>());
     at_once(20);

@@ -23,6 +23,7 @@ mod everyday;
 mod exports;
 mod field_files;
 mod fleet_folders;
+mod fuzz;
 mod holes;
 mod horizontal;
 mod input_uncertainty;

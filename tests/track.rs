@@ -307,7 +307,7 @@ fn mistakes_are_named() {
         (with("profile = \"60E1\"", "profile = \"61E1\""), "rail.profile", "profile list"),
         (with("time_step_s = 1e-4", "time_step_s = 1e-3"), "run.inner_steps", "20 in a period"),
         (with("x_m = 6.0", "x_m = 12.5"), "probe[0].x_m", "0 to 12 m"),
-        (with("kind = \"track\"", "kind = \"bridge\""), "kind", "A load case on a track"),
+        (with("kind = \"track\"", "kind = \"bridge\""), "kind", "expected \"track\""),
         (with("length_m = 12.0", "lenght_m = 12.0"), "rail.lenght_m", "length_m"),
         (with("length_m = 12.0", "length_m = nan"), "rail.length_m", "nan"),
     ] {

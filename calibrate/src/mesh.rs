@@ -34,8 +34,8 @@ mod vtu;
 
 pub use block::{BlockOptions, mesh_block};
 pub use bodies::{
-    MeshSize, mesh_even_rail, mesh_rail, mesh_rail_between, mesh_rail_path, mesh_wheel,
-    rail_grid_half_length, rail_outline, rail_size, wheel_outline, wheel_size,
+    MeshSize, least_rail_size, least_wheel_size, mesh_even_rail, mesh_rail, mesh_rail_between,
+    mesh_rail_path, mesh_wheel, rail_grid_half_length, rail_outline, rail_size, wheel_outline, wheel_size,
 };
 pub use given::{GivenMesh, given_rail, given_wheel};
 pub use hex_mesh::{HexMesh, SurfaceGrid};

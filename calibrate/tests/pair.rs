@@ -97,13 +97,17 @@ fn files_that_are_no_bodies_are_refused() {
     let mut endless = body.clone();
     std::sync::Arc::make_mut(&mut endless.compliance)[(0, 0)] = f64::INFINITY;
     let endless = endless.write();
+    let mut of_no_mass = body.clone();
+    of_no_mass.mass = f64::NAN;
+    let of_no_mass = of_no_mass.write();
     let other = String::from_utf8_lossy(&file[8..header]).replace("body 5", "body 9").into_bytes();
     let other = [&file[..8], &other, &file[header..]].concat();
-    let cases: [(&[u8], &str); 5] = [
+    let cases: [(&[u8], &str); 6] = [
         (&[], "condensed body"),
         (&file[..file.len() - 8], "condensed body"),
         (&[&file[..], &[0; 8]].concat(), "condensed body"),
         (&endless, "inf"),
+        (&of_no_mass, "mass_kg = NaN"),
         (&other, "body 9"),
     ];
     for (bytes, part) in cases {

@@ -10,6 +10,8 @@ use numpy::{AllowTypeChange, IntoPyArray, PyArrayLikeDyn, PyReadonlyArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyFloat;
+use railspring::export::SpringsFile;
+use railspring::table::earlier::Earlier;
 use railspring_calibrate::law::{REFERENCE_FORCE, StiffnessLaw, TableLaw as Knots, fit_law as fitted};
 use railspring_profiles::error::Error;
 use railspring_profiles::units::{KILONEWTON, KILONEWTON_PER_METRE};
@@ -173,10 +175,21 @@ fn run_program(py: Python<'_>, arguments: Vec<OsString>, file: PathBuf, command:
     py.detach(|| railspring::cli::run(arguments))
 }
 
+/// Refuses a `stiffness.json`, a `table.json`, or a `table.csv` beside one, that is not as the program wrote it.
+#[pyfunction]
+fn check_as_written(py: Python<'_>, path: PathBuf) -> PyResult<()> {
+    let is_rows = path.extension().is_some_and(|ending| ending == "csv");
+    py.detach(|| match is_rows {
+        true => Earlier::read(&path).map(drop),
+        false => SpringsFile::read(&path).map(drop),
+    })
+    .map_err(refused)
+}
+
 #[pymodule]
 mod _native {
     #[pymodule_export]
     use super::element::{Contact, Element, Unit};
     #[pymodule_export]
-    use super::{Law, LawFit, TableLaw, fit_law, run_program};
+    use super::{Law, LawFit, TableLaw, check_as_written, fit_law, run_program};
 }

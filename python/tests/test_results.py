@@ -89,6 +89,28 @@ def test_what_is_wrong_is_said(work: Path) -> None:
         Study.read(work / "wrong" / "study.toml")
 
 
+def test_what_was_edited_is_refused(calibration: Calibration, table_file: Path, work: Path) -> None:
+    # a constant, a row and a record, each changed in one digit
+    edited = work / "edited"
+    railspring.make_table(table_file, edited, cache=work / "cache")
+    (edited / "stiffness.json").write_bytes((calibration.folder / "stiffness.json").read_bytes())
+    Calibration.read(edited), Table.read(edited)
+    for name, old, new in [
+        ("stiffness.json", '"reference": "beam"', '"reference": "local"'),
+        ("table.csv", "complete", "failed"),
+        ("table.json", '"status": "complete"', '"status": "failed"'),
+    ]:
+        path = edited / name
+        whole = path.read_text(encoding="utf-8")
+        assert old in whole
+        path.write_text(whole.replace(old, new, 1), encoding="utf-8")
+        with pytest.raises(ValueError, match="edited after it was written|a file as it was written"):
+            Calibration.read(edited) if name == "stiffness.json" else Table.read(edited)
+        with pytest.raises(ValueError, match=name.replace(".", "[.]")):
+            railspring.check_as_written(path)
+        path.write_text(whole, encoding="utf-8")
+
+
 def test_averages_are_integrals() -> None:
     # Q grows by 3 kN/s from 1 kN, P stays 10 kN; steps of different length
     time = np.array([0.0, 0.01, 0.015, 0.04, 0.05, 0.1])

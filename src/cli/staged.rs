@@ -16,8 +16,11 @@ use super::set_args::SetArgs;
 use super::track;
 use super::work_args::{WorkArgs, take_threads};
 use crate::engine::inputs::Inputs;
+use crate::engine::list::{NewFile, Results as Listed};
 use crate::engine::output::OutputFolder;
+use crate::engine::stage::check_outputs;
 use crate::engine::store::Store;
+use crate::hash::hash;
 use crate::pdf::Printer;
 use crate::python::Purpose;
 use crate::results::bodies::estimate::{self, Work};
@@ -28,7 +31,7 @@ use crate::results::crosscheck::exchange::Case;
 use crate::results::crosscheck::in_time::input::InTimeInput;
 use crate::results::crosscheck::input::CrosscheckInput;
 use crate::results::crosscheck::write_deck;
-use crate::results::files::RESULT_FILES;
+use crate::results::files::{RESULT_FILES, ResultFile};
 use crate::results::names::{CROSSCHECK_PAGE, REPORT};
 use crate::results::run::input::SpringsInput;
 use crate::results::run::springs;
@@ -210,8 +213,8 @@ impl Action<'_> {
         Inputs::of(study.source.files().chain(law).chain(beside.as_deref()))
     }
 
-    /// Whether a file of that name in the output folder is one that it writes.
-    fn makes(self, name: &str) -> bool {
+    /// The files that it writes in the output folder.
+    fn outputs(self) -> impl Iterator<Item = &'static ResultFile> {
         let command = match self {
             Self::Run => "run",
             Self::Calibrate | Self::Element(_) => "calibrate",
@@ -222,7 +225,7 @@ impl Action<'_> {
             Self::Crosscheck { .. } | Self::CrosscheckInTime { .. } => "crosscheck",
             Self::Deck(_) => "deck",
         };
-        RESULT_FILES.iter().any(|file| file.is_made_by(command) && file.matches(name))
+        RESULT_FILES.iter().filter(move |file| file.is_made_by(command))
     }
 
     /// Whether it begins without the results of an earlier command.
@@ -294,7 +297,8 @@ pub(super) fn done(
         return Err(InputError::new("--fresh", "given", expected, "leave it out").into());
     }
     let inputs = action.inputs(study);
-    inputs.check_folder(&path, |name| action.makes(name) || files.iter().any(|(own, _)| *own == name))?;
+    let is_output = |name: &str| action.outputs().any(|file| file.matches(name));
+    inputs.check_folder(&path, |name| is_output(name) || files.iter().any(|(own, _)| *own == name))?;
     if let Action::Element(wanted) = action {
         wanted.check(&inputs)?;
     }
@@ -302,6 +306,11 @@ pub(super) fn done(
         true => OutputFolder::create(&path, &inputs)?,
         false => OutputFolder::open(&path, &inputs)?,
     };
+    // of several files of a kind it is known later which there are
+    check_outputs(&folder, |name| action.outputs().any(|file| file.is_single() && file.matches(name)))?;
+    for (name, text) in files {
+        Listed::new(&folder).check_not_edited(name, text(&path)?.as_bytes())?;
+    }
     take_threads(work.threads)?;
     let _claim = folder.claim()?;
     let progress = Progress::new(work.quiet);
@@ -356,7 +365,9 @@ pub(super) fn done(
         }
     };
     for (name, text) in files {
-        folder.write(name, text(&path)?.as_bytes())?;
+        let content = text(&path)?.into_bytes();
+        let key = hash(&content);
+        Listed::new(&folder).write(vec![NewFile::new(*name, content, &key)], &[])?;
     }
     progress.finish();
     if let Some((printer, page)) = printer {

@@ -17,7 +17,7 @@ use crate::engine::output::{Content, OutputFolder};
 use crate::engine::store::Store;
 use crate::hash::hash;
 use crate::results::bodies::estimate::Resources;
-use crate::table::earlier::{Earlier, RECORD, is_of_earlier};
+use crate::table::earlier::{Earlier, EarlierFiles, RECORD};
 use crate::table::rows::{Rows, Status};
 use crate::table::{Places, Table, about, changes, fleet, page, record, shapes};
 
@@ -137,7 +137,7 @@ impl TableArgs {
     }
 }
 
-/// Makes a table; whether every place has a law.
+/// Makes a table; whether every place has a law, and nothing is left to look at in the profiles.
 pub(super) fn run(args: &TableArgs) -> Result<bool, Failure> {
     let table = Table::read(&args.table)?;
     made(args, &table).map_err(Failure::Plain)
@@ -166,6 +166,9 @@ fn made(args: &TableArgs, table: &Table) -> Result<bool, Error> {
     // before anything is made; it may be the very file that is written next
     let earlier = args.diff.as_deref().map(Earlier::read).transpose()?;
     let folder = OutputFolder::create(&path, &inputs)?;
+    let there = EarlierFiles::of(&path)?;
+    // whether there is a page of a fleet is known later
+    there.check([ROWS, PAGE, COLUMNS].into_iter().chain(earlier.as_ref().map(|_| CHANGES)))?;
     let _claim = folder.claim()?;
     if !args.work.quiet {
         remark(&plan.text());
@@ -191,15 +194,16 @@ fn made(args: &TableArgs, table: &Table) -> Result<bool, Error> {
     // those of an earlier table of this name say nothing of this one; what a user has put there stays
     let outdated: Vec<&str> = of_fleet
         .iter()
-        .filter(|(name, text)| text.is_none() && is_of_earlier(folder.path(), name))
+        .filter(|(name, text)| text.is_none() && there.is_as_written(name))
         .map(|(name, _)| *name)
         .collect();
+    there.check(files.iter().map(|(name, _)| *name))?;
     let written = files.iter().map(|(name, content)| ((*name).to_owned(), hash(content))).collect();
     let record = record(table, &made, written);
-    let mut files: Vec<(&str, Content<'_>)> =
-        files.into_iter().map(|(name, content)| (name, content.into())).collect();
-    files.push((RECORD, Content::json(&record, made.len() <= INDENTED)));
-    folder.write_together(&files)?;
+    // the record first: a table that is stopped between two files knows that they are its own
+    let record = (RECORD, Content::json(&record, made.len() <= INDENTED));
+    let files = files.into_iter().map(|(name, content)| (name, content.into()));
+    folder.write_together(&[record].into_iter().chain(files).collect::<Vec<_>>())?;
     outdated.iter().try_for_each(|name| folder.remove(name))?;
     let with = |status: Status| made.iter().filter(|(_, record)| Status::of(record) == status).count();
     let [complete, early, failed] = [Status::Complete, Status::EndsEarly, Status::Failed].map(with);
@@ -207,19 +211,29 @@ fn made(args: &TableArgs, table: &Table) -> Result<bool, Error> {
         "{} places: {complete} complete, {early} with a law that ends early, {failed} without a law",
         made.len()
     );
+    let with_findings = made.iter().filter(|(_, record)| !record.findings_left.is_empty()).count();
+    let unsure = (with_findings > 0).then(|| {
+        format!(
+            "no sure surface: {with_findings} places have findings that are left in their profiles, in the column \
+             findings_left of {}",
+            folder.file(ROWS).display()
+        )
+    });
     let changed: Vec<String> = changes.iter().flat_map(changes::Changes::lines).collect();
     let is_fleet = of_fleet.iter().any(|(_, text)| text.is_some());
     let fleet = is_fleet
         .then(|| format!("the measured profiles beside each other: {}", folder.file(FLEET).display()));
     let more = json!({
-        "places": made.len(), "complete": complete, "ends_early": early, "failed": failed, "changes": changed
+        "places": made.len(), "complete": complete, "ends_early": early, "failed": failed,
+        "with_findings_left": with_findings, "changes": changed
     });
+    let holds = failed == 0 && with_findings == 0;
     results
-        .with_more([count].into_iter().chain(fleet).chain(changed).collect(), more)
+        .with_more([count].into_iter().chain(unsure).chain(fleet).chain(changed).collect(), more)
         .at(&folder.file(PAGE))
-        .holding(failed == 0)
+        .holding(holds)
         .print(json, args.work.quiet)?;
-    Ok(failed == 0)
+    Ok(holds)
 }
 
 /// The places after a cluster has made those that are missing; what is left is for this machine.

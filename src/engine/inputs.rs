@@ -1,6 +1,7 @@
 //! The files that a command reads. None of them is ever written, replaced or removed: the one place that compares outputs with inputs.
 
 use std::collections::BTreeMap;
+use std::fs::DirEntry;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -54,20 +55,13 @@ impl Inputs {
         }
     }
 
-    /// Refuses a folder in which an input has a name that a command writes.
+    /// Refuses a folder in which an input, or another name of its file, has a name that a command writes.
     ///
     /// # Errors
     /// As [`Inputs::check`].
     pub fn check_folder(&self, folder: &Path, is_output: impl Fn(&str) -> bool) -> Result<()> {
-        let place = resolved(folder);
-        for (path, input) in self.by_path.iter() {
-            let Ok(inside) = path.strip_prefix(&place) else { continue };
-            let name = inside.to_string_lossy().replace('\\', "/");
-            if is_output(&name) {
-                return Err(refused(&folder.join(inside), input).into());
-            }
-        }
-        Ok(())
+        let names = names_in(folder);
+        names.iter().filter(|name| is_output(name)).try_for_each(|name| self.check(&folder.join(name)))
     }
 
     fn input_at(&self, output: &Path) -> Option<&Path> {
@@ -75,6 +69,23 @@ impl Inputs {
         let by_number = || self.by_number.get(&number(output)?);
         by_path.or_else(by_number).map(PathBuf::as_path)
     }
+}
+
+/// Names of the files of a folder and of the folders in it, in order, with `/` between the two. No command writes deeper.
+pub(super) fn names_in(folder: &Path) -> Vec<String> {
+    let entries = |folder: &Path| std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let name = |entry: &DirEntry| entry.file_name().to_string_lossy().into_owned();
+    let mut names = Vec::new();
+    for entry in entries(folder) {
+        match entry.path().is_dir() {
+            true => {
+                names.extend(entries(&entry.path()).map(|inner| format!("{}/{}", name(&entry), name(&inner))))
+            }
+            false => names.push(name(&entry)),
+        }
+    }
+    names.sort();
+    names
 }
 
 fn refused(output: &Path, input: &Path) -> InputError {
@@ -153,6 +164,8 @@ mod tests {
             };
             assert!(of_folder("folder", "rail.prr").is_err() && of_folder("data", "rail.prr").is_err());
             assert!(of_folder("data", "other.prr").is_ok() && of_folder("new", "rail.prr").is_ok());
+            // under other names of the same file, in the folder and one deeper
+            assert!(of_folder(".", "twin.prr").is_err() && of_folder(".", "data/rail.prr").is_err());
         }
         assert!(Inputs::none().check(&at("data/rail.prr")).is_ok());
     }

@@ -9,15 +9,17 @@
 //! The list is written before the files it lists. Whoever is stopped between
 //! the two leaves files whose content is not the listed one; they are refused.
 //! So every file of this program is listed, and what is not listed is a
-//! user's: it is never removed.
+//! user's: it is never removed and never replaced.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use railspring_profiles::error::{InputError, Result};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
+use crate::engine::inputs::names_in;
 use crate::engine::output::OutputFolder;
 use crate::hash::hash;
 use crate::version;
@@ -122,7 +124,7 @@ impl<'a> Results<'a> {
     /// that it was not made from; a name that ends in `/` means all of that folder. What is not listed is a user's and stays.
     ///
     /// # Errors
-    /// [`InputError`] whose key is the path of a file that cannot be written or removed.
+    /// [`InputError`] whose key is the path of a file that cannot be written or removed, or of one that is a user's.
     pub fn write(&self, files: Vec<NewFile>, derived: &[&str]) -> Result<()> {
         let entries: Vec<(String, Entry, Vec<u8>)> = files
             .into_iter()
@@ -138,6 +140,8 @@ impl<'a> Results<'a> {
             })
             .collect();
         let mut list = self.list();
+        let unlisted = |(name, ..): &&(String, Entry, Vec<u8>)| !list.files.contains_key(name);
+        entries.iter().filter(unlisted).try_for_each(|(name, ..)| not_a_users(&self.folder.file(name)))?;
         if entries.iter().any(|(name, entry, _)| list.files.get(name) != Some(entry)) {
             self.remove(&mut list, derived)?;
         }
@@ -165,6 +169,37 @@ impl<'a> Results<'a> {
         }
         self.remove(&mut list, derived)?;
         self.remove(&mut list, &listed)
+    }
+
+    /// Refuses the folder where a file under the name of an output, or the list itself, is a user's.
+    ///
+    /// # Errors
+    /// [`InputError`] whose key is the path of that file.
+    pub fn check_unlisted(&self, is_output: impl Fn(&str) -> bool) -> Result<()> {
+        let path = self.folder.file(RESULTS);
+        if path.exists() && self.folder.read_json::<List>(RESULTS, "run").is_err() {
+            return not_a_users(&path);
+        }
+        let list = self.list();
+        let mut names = names_in(self.folder.path()).into_iter();
+        let unlisted =
+            names.find(|name| is_output(name) && name != RESULTS && !list.files.contains_key(name));
+        unlisted.map_or(Ok(()), |name| not_a_users(&self.folder.file(&name)))
+    }
+
+    /// Refuses to write a file of this name where there is one that differs from `content` and is not as a command has listed it: one that a user
+    /// has written or edited.
+    ///
+    /// # Errors
+    /// [`InputError`] whose key is its path.
+    pub fn check_not_edited(&self, name: &str, content: &[u8]) -> Result<()> {
+        let path = self.folder.file(name);
+        let Ok(there) = std::fs::read(&path) else { return not_a_users(&path) };
+        let listed = self.entry(name).and_then(|entry| entry.blake3);
+        match there == content || listed == Some(hash(&there)) {
+            true => Ok(()),
+            false => not_a_users(&path),
+        }
     }
 
     /// The content of a file that `made_by` writes, not yet checked.
@@ -233,6 +268,23 @@ impl<'a> Results<'a> {
     }
 }
 
+/// Refuses to replace what is at a path, if anything is there.
+///
+/// # Errors
+/// [`InputError`] whose key is the path.
+pub fn not_a_users(path: &Path) -> Result<()> {
+    if std::fs::symlink_metadata(path).is_err() {
+        return Ok(());
+    }
+    Err(InputError::new(
+        path.display().to_string(),
+        "a file that this program has not written, or that was edited since",
+        "no file of this name, or one as the command has written it",
+        "move or rename it, or choose another folder with -o; it stays as it is",
+    )
+    .into())
+}
+
 /// The first digits of a hash.
 fn short(key: &str) -> &str {
     key.get(..12).unwrap_or(key)
@@ -292,6 +344,39 @@ mod tests {
             assert!(text.contains(reason), "{reason:?} in {text}");
             assert!(text.contains("a.csv = ") && text.contains("`railspring simulate`"), "{text}");
         }
+    }
+
+    /// Goal: a file that is not listed is a user's and is not replaced, before any work or at the end; nor is a list that is none, or a file that was edited where
+    /// that is asked for. The user's one stays. What is listed, was not edited, or has the same content is written again.
+    #[test]
+    fn a_users_file_is_not_replaced() {
+        let (_root, folder) = folder();
+        let results = Results::new(&folder);
+        let write =
+            |name: &str, content: &[u8]| results.write(vec![NewFile::new(name, content.into(), "k")], &[]);
+        let is_refused = |done: Result<()>, name: &str| {
+            let said = done.unwrap_err().to_string();
+            assert!(said.contains(name) && said.contains("has not written"), "{said}");
+        };
+        folder.write("a.csv", b"a user's").unwrap();
+        folder.write("figures/law.svg", b"a user's").unwrap();
+        for name in ["a.csv", "figures/law.svg"] {
+            is_refused(write(name, b"ours"), name);
+            is_refused(results.check_unlisted(|output| output == name), name);
+            is_refused(results.check_not_edited(name, b"ours"), name);
+            assert_eq!(std::fs::read(folder.file(name)).unwrap(), b"a user's");
+            results.check_not_edited(name, b"a user's").unwrap();
+        }
+        results.check_unlisted(|output| output == "b.csv").unwrap();
+        for content in [b"1", b"2"] {
+            results.check_not_edited("b.csv", content).unwrap();
+            write("b.csv", content).unwrap();
+            results.check_unlisted(|output| output == "b.csv").unwrap();
+        }
+        folder.write("b.csv", b"edited").unwrap();
+        is_refused(results.check_not_edited("b.csv", b"3"), "b.csv");
+        folder.write(RESULTS, b"a user's").unwrap();
+        is_refused(results.check_unlisted(|_| false), RESULTS);
     }
 
     /// Goal: a result that is withdrawn goes with its entry and what was derived from it; a file that is not listed is a user's and stays, with what was

@@ -167,10 +167,10 @@ impl OutputFolder {
         }
     }
 
-    /// Removes what processes that were killed while they wrote have left under temporary names.
+    /// Removes what processes that were killed while they wrote have left under temporary names. Another folder in this one may be a store that is in use.
     fn remove_leftovers(&self) {
-        for folder in [self.path.clone(), self.path.join("figures")] {
-            for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+        for folder in ["", "figures", "fields", "crosscheck"] {
+            for entry in std::fs::read_dir(self.path.join(folder)).into_iter().flatten().flatten() {
                 if entry.file_name().to_string_lossy().starts_with(TEMPORARY) {
                     let _ = std::fs::remove_file(entry.path());
                 }
@@ -426,12 +426,17 @@ mod tests {
     fn a_folder_is_claimed_once() {
         let root = tempfile::tempdir().unwrap();
         let folder = OutputFolder::create(&root.path().join("out"), &Inputs::none()).unwrap();
-        folder.write(".railspring-x1", b"half").unwrap();
-        folder.write("kept.txt", b"x").unwrap();
+        let left = [
+            ".railspring-x1",
+            "figures/.railspring-x2",
+            "crosscheck/.railspring-x3",
+            "fields/.railspring-x4",
+        ];
+        let others = ["kept.txt", "store/.railspring-x5"];
+        left.iter().chain(&others).for_each(|name| folder.write(name, b"half").unwrap());
         let claim = folder.claim().unwrap();
-        assert!(
-            claim.is_some() && !folder.file(".railspring-x1").exists() && folder.file("kept.txt").exists()
-        );
+        assert!(claim.is_some() && !left.iter().any(|name| folder.file(name).exists()));
+        assert!(others.iter().all(|name| folder.file(name).exists()));
         let error =
             OutputFolder::open(folder.path(), &Inputs::none()).unwrap().claim().unwrap_err().to_string();
         assert!(error.contains("no other railspring is writing to"), "{error}");

@@ -4,7 +4,7 @@ use railspring_profiles::error::{Error, Result};
 use railspring_profiles::monitor::Monitor;
 use serde_json::Value;
 
-use crate::engine::list::{NewFile, Results};
+use crate::engine::list::{NewFile, Results, not_a_users};
 use crate::engine::measure::{Stopwatch, begin};
 use crate::engine::measured::Measured;
 use crate::engine::output::OutputFolder;
@@ -12,6 +12,18 @@ use crate::engine::store::{Address, Artefact, Store};
 
 /// Time, memory and host of the stages.
 pub const MEASURED: &str = "measured.json";
+
+/// Refuses a folder in which a file under the name of an output is a user's, before any work.
+///
+/// # Errors
+/// [`railspring_profiles::error::InputError`] whose key is the path of that file.
+pub fn check_outputs(folder: &OutputFolder, is_output: impl Fn(&str) -> bool) -> Result<()> {
+    let measured = folder.file(MEASURED);
+    if measured.exists() && folder.read_json::<Measured>(MEASURED, "run").is_err() {
+        return not_a_users(&measured);
+    }
+    Results::new(folder).check_unlisted(|name| name != MEASURED && is_output(name))
+}
 
 /// A stage: what its result is made from, how it is made, and the files that it becomes.
 pub trait Stage {

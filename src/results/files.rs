@@ -50,6 +50,11 @@ impl ResultFile {
         commands == "all" || commands.split(", ").any(|name| name == command)
     }
 
+    /// Whether it is one file, with this name.
+    pub fn is_single(&self) -> bool {
+        !self.name.contains('*')
+    }
+
     /// Whether a file of an output folder is one of this kind.
     pub fn matches(&self, name: &str) -> bool {
         match self.name.split_once('*') {

@@ -177,7 +177,8 @@ impl<'a> Checker<'a> {
                 return;
             }
             match of_type.as_slice() {
-                [only] => self.value(value, only, path, offset, findings),
+                // the one choice of an enum is named as the choices of others are
+                [only] if only.get("const").is_none() => self.value(value, only, path, offset, findings),
                 _ => findings.push(self.mismatch(value, schema, path, offset)),
             }
             return;
@@ -252,7 +253,7 @@ impl<'a> Checker<'a> {
             let constants: Vec<String> =
                 options.iter().filter_map(|o| o.get("const")).map(Value::to_string).collect();
             if constants.len() == options.len() {
-                return format!("one of {}", constants.join(", "));
+                return one_of(&constants);
             }
             let parts: Vec<String> = options
                 .iter()
@@ -262,8 +263,10 @@ impl<'a> Checker<'a> {
             return parts.join(" or ");
         }
         if let Some(values) = resolved.get("enum").and_then(Value::as_array) {
-            let list: Vec<String> = values.iter().map(Value::to_string).collect();
-            return format!("one of {}", list.join(", "));
+            return one_of(&values.iter().map(Value::to_string).collect::<Vec<_>>());
+        }
+        if let Some(only) = resolved.get("const") {
+            return only.to_string();
         }
         let range = match (bound(resolved, "minimum"), bound(resolved, "maximum")) {
             (Some(low), Some(high)) => format!(" from {low} to {high}"),
@@ -288,6 +291,14 @@ impl<'a> Checker<'a> {
             "object" => "a section".into(),
             _ => "another value".into(),
         }
+    }
+}
+
+/// The choices of a key, in words.
+fn one_of(choices: &[String]) -> String {
+    match choices {
+        [only] => only.clone(),
+        several => format!("one of {}", several.join(", ")),
     }
 }
 

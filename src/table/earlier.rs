@@ -7,6 +7,7 @@ use railspring_profiles::error::{InputError, Result};
 use serde::Deserialize;
 
 use super::record::TableRecord;
+use crate::engine::list::not_a_users;
 use crate::engine::output::{parse_json, read_text};
 use crate::engine::seal::Sealed;
 use crate::hash::hash;
@@ -62,18 +63,46 @@ impl Earlier {
     }
 }
 
-/// Whether a file in the folder of a table is one that an earlier table has written there, and as it was written.
-pub fn is_of_earlier(folder: &Path, name: &str) -> bool {
-    /// What is taken of a record that may be large.
-    #[derive(Deserialize)]
-    struct Written {
-        #[serde(default)]
-        written: BTreeMap<String, String>,
+/// The files that an earlier table has written in its folder.
+#[derive(Debug, Clone)]
+pub struct EarlierFiles {
+    folder: PathBuf,
+    /// With the hashes of their contents; none where no table was written.
+    written: BTreeMap<String, String>,
+}
+
+impl EarlierFiles {
+    /// Those that the record in a folder lists.
+    ///
+    /// # Errors
+    /// [`InputError`] for a file under the name of the record that is a user's.
+    pub fn of(folder: &Path) -> Result<Self> {
+        /// What is taken of a record that may be large.
+        #[derive(Deserialize)]
+        struct Written {
+            written: BTreeMap<String, String>,
+        }
+        let path = folder.join(RECORD);
+        let record = read_text(&path, "table").ok().and_then(|text| serde_json::from_str(&text).ok());
+        let written = match record {
+            Some(Written { written }) => written,
+            None => not_a_users(&path).map(|()| BTreeMap::new())?,
+        };
+        Ok(Self { folder: folder.to_path_buf(), written })
     }
-    let listed = || {
-        let record: Written = serde_json::from_str(&read_text(&folder.join(RECORD), "table").ok()?).ok()?;
-        record.written.get(name).cloned()
-    };
-    let bytes = railspring_profiles::input::read(&folder.join(name), u64::MAX - 1).ok();
-    bytes.is_some_and(|bytes| listed().is_some_and(|listed| listed == hash(&bytes)))
+
+    /// Refuses to write files of these names where there is one that the table has not written.
+    ///
+    /// # Errors
+    /// [`InputError`] whose key is the path of that file.
+    pub fn check<'n>(&self, names: impl IntoIterator<Item = &'n str>) -> Result<()> {
+        let others = names.into_iter().filter(|name| *name != RECORD && !self.written.contains_key(*name));
+        others.map(|name| self.folder.join(name)).try_for_each(|path| not_a_users(&path))
+    }
+
+    /// Whether a file is one of these, and as it was written.
+    pub fn is_as_written(&self, name: &str) -> bool {
+        let bytes = railspring_profiles::input::read(&self.folder.join(name), u64::MAX - 1).ok();
+        bytes.is_some_and(|bytes| self.written.get(name).is_some_and(|listed| *listed == hash(&bytes)))
+    }
 }

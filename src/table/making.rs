@@ -21,6 +21,7 @@ use crate::results::bodies::geometry::{self, Geometry};
 use crate::results::bodies::input::SolidsInput;
 use crate::results::bodies::meshes::{self, Meshes};
 use crate::results::bodies::places::tape_y;
+use crate::results::bodies::record::ProfileRecord;
 use crate::results::bodies::source::BodySource;
 use crate::results::bodies::{coarser, solids, zones};
 use crate::results::by_angle::make::{self, PlaceSettings};
@@ -51,6 +52,9 @@ pub struct PlaceRecord {
     /// The bodies that the measured surfaces were pressed on; none where neither was measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bodies: Option<BodiesRecord>,
+    /// What was found in the profiles and could not be repaired, a sentence each: the surface is unsure there, and its springs have no band.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub findings_left: Vec<String>,
     /// Uncertainty by the inputs at the loads of the columns; none where the table does not give `uncertainty`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub uncertainty: Option<PlaceUncertainty>,
@@ -94,6 +98,7 @@ impl PlaceRecord {
             hertz_kn_per_m: Vec::new(),
             measured: None,
             bodies: None,
+            findings_left: Vec::new(),
             uncertainty: None,
         }
     }
@@ -407,6 +412,7 @@ impl CaseWork<'_> {
             hertz_kn_per_m: hertz(study, geometry, bodies, shift, &fixed_loads),
             measured: ready.measured.clone(),
             bodies: record_of_bodies,
+            findings_left: geometry.profiles.iter().flat_map(ProfileRecord::left).collect(),
             uncertainty: is_uncertain(study).then(|| self.uncertainty(ready, shift, &at)).transpose()?,
             at,
         };

@@ -16,6 +16,7 @@ use super::places::Place;
 use super::surfaces::AMPLITUDES_MM;
 use crate::engine::columns::{Cell, csv_of_texts};
 use crate::results::by_angle::record::AngleLawRecord;
+use crate::study::Study;
 use railspring_calibrate::law::Form;
 
 /// Columns that say which place a row is of; the varied keys come after them.
@@ -109,6 +110,7 @@ impl Rows {
                 false => case.study.rail.measured.is_some(),
             })
         });
+        let from_files = table.cases.iter().any(|case| is_from_files(&case.study));
         let axles = axle::conicities(table, places);
         let row = |(place, record): &(Place, PlaceRecord), named: bool| {
             let mut row = Row { named, ..Row::default() };
@@ -124,6 +126,9 @@ impl Rows {
                 if uncertain {
                     row.uncertainty(record, *load);
                 }
+            }
+            if from_files {
+                row.put("findings_left", record.findings_left.join("; ").as_str());
             }
             row.status(&table.cases[place.case], record);
             row
@@ -151,6 +156,12 @@ impl Rows {
         let rows = self.rows.iter().map(|row| row.iter().map(Cell::text).collect());
         csv_of_texts(once(self.columns.clone()).chain(rows))
     }
+}
+
+/// Whether a profile or a section of a study is from a file, in which something may be found.
+fn is_from_files(study: &Study) -> bool {
+    let Study { wheel, rail, .. } = study;
+    wheel.measured.is_some() || rail.measured.is_some() || wheel.section.is_some() || rail.section.is_some()
 }
 
 /// What is known of the wheel (0) or the rail (1) of some case, by its names.
@@ -299,6 +310,8 @@ impl Row {
         let mut put = |name: &str, value: Option<f64>| self.put(format_args!("{name}_at_{load_kn}kn"), value);
         put("displacement_mm", in_use.map(|at| at.displacement_mm));
         put("stiffness_kn_per_m", in_use.map(|at| at.tangent_kn_per_m));
+        // a hole may hide anything
+        let band = band.filter(|_| record.findings_left.is_empty());
         put("stiffness_rel_error_band", band.and_then(|band| Some(band.tangent?.hypot(of_bodies))));
         put("local_stiffness_kn_per_m", local.map(|at| at.tangent_kn_per_m));
         put("hertz_normal_stiffness_kn_per_m", hertz);

@@ -2,11 +2,13 @@
 
 use railspring_profiles::error::{InputError, Result};
 use railspring_profiles::monitor::Monitor;
+use serde::Deserialize;
 
 use super::columns::{columns_of, csv};
 use super::page::page;
 use super::record::{TrackRecord, record};
 use super::resolve::TrackStudy;
+use crate::engine::list::not_a_users;
 use crate::engine::output::{OutputFolder, to_json};
 use crate::results::names::{REPORT, STIFFNESS, VERIFICATION};
 
@@ -14,6 +16,15 @@ use crate::results::names::{REPORT, STIFFNESS, VERIFICATION};
 pub const HISTORY: &str = "history.csv";
 /// The record.
 pub const RECORD: &str = "track.json";
+/// All files.
+const OUTPUTS: [&str; 3] = [RECORD, HISTORY, REPORT];
+
+/// What the record of an earlier run has.
+#[derive(Deserialize)]
+struct Earlier {
+    #[serde(rename = "study_blake3")]
+    _study: String,
+}
 
 /// What a run has become.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,7 +38,7 @@ pub struct Made {
 /// Runs a study and writes history, record and page.
 ///
 /// # Errors
-/// Those of the run; an output folder with the results of a study of two profiles, whose files this one would replace.
+/// Those of the run; an output folder with the results of a study of two profiles, or with a user's files, which this one would replace.
 pub fn made(study: &TrackStudy, folder: &OutputFolder, monitor: &dyn Monitor) -> Result<Made> {
     if let Some(other) = [STIFFNESS, VERIFICATION].iter().find(|name| folder.file(name).exists()) {
         return InputError::refuse(
@@ -37,14 +48,18 @@ pub fn made(study: &TrackStudy, folder: &OutputFolder, monitor: &dyn Monitor) ->
             "choose another one with -o",
         );
     }
-    [HISTORY, RECORD, REPORT].iter().try_for_each(|name| folder.inputs().check(&folder.file(name)))?;
+    folder.inputs().check_folder(folder.path(), |name| OUTPUTS.contains(&name))?;
+    if folder.read_json::<Earlier>(RECORD, "run").is_err() {
+        OUTPUTS.iter().try_for_each(|name| not_a_users(&folder.file(name)))?;
+    }
     let run = study.case.run(monitor)?;
     let columns = columns_of(&study.case);
     let record = record(study, &run, &columns);
     let page = page(&record, &run, &columns);
     folder.write_together(&[
-        (HISTORY, csv(&columns, &run).into()),
+        // first: a run that is stopped between two files knows that they are its own
         (RECORD, to_json(&record).into()),
+        (HISTORY, csv(&columns, &run).into()),
         (REPORT, page.into_bytes().into()),
     ])?;
     let completed = record.ending == "completed";

@@ -6,6 +6,7 @@
 //! The test target `skipped` of this package and `.ci/run` count them.
 
 pub mod dxf;
+pub mod fuzz;
 mod place;
 mod programs;
 mod random;

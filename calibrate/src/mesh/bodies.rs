@@ -65,6 +65,41 @@ pub fn wheel_size(section: &WheelSection, options: &MeshOptions) -> Result<MeshS
     })
 }
 
+/// Least nodes of the mesh that [`mesh_rail`] makes, all contact nodes among them, without meshing its section: those of the structured layers below the
+/// contact zone alone.
+///
+/// # Errors
+/// When an option is out of range, or the contact zone does not lie on the running curve.
+pub fn least_rail_size(section: &RailSection, length: f64, options: &MeshOptions) -> Result<MeshSize> {
+    options.check()?;
+    check_rail_window(length, options)?;
+    let x = rail_layers([0.5 * length; 2], options);
+    let window = in_window(&x, grid_half_length(&x, 1.0, options)).count();
+    Ok(least(&rail_outline(section, options)?, options, [x.len(), x.len() - 1], window))
+}
+
+/// The same of the mesh that [`mesh_wheel`] makes.
+///
+/// # Errors
+/// As [`least_rail_size`].
+pub fn least_wheel_size(section: &WheelSection, options: &MeshOptions) -> Result<MeshSize> {
+    options.check()?;
+    check_wheel_window(section.radius, options)?;
+    let theta = wheel_layers(section.radius, options);
+    let window = in_window(&theta, grid_half_length(&theta, section.radius, options)).count();
+    Ok(least(&wheel_outline(section, options)?, options, [theta.len(); 2], window))
+}
+
+/// The structured layers below a contact zone, swept over sections `along` (of nodes, of hexahedra), of which those in the `window` have contact nodes.
+fn least(outline: &SectionOutline, options: &MeshOptions, along: [usize; 2], window: usize) -> MeshSize {
+    let (across, (layers, _)) = (outline.fine.len(), options.layering());
+    MeshSize {
+        nodes: across * (layers + 1) * along[0],
+        hexes: (across - 1) * layers * along[1],
+        contact: across * window,
+    }
+}
+
 /// Meshes a rail in the world frame, from `-length / 2` to `length / 2` along x.
 ///
 /// # Errors

@@ -196,8 +196,11 @@ impl CondensedBody {
         } else {
             None
         };
-        let number =
-            |name: &str| entry(name).and_then(|text| text.parse().map_err(|_| format!("{name} = {text}")));
+        let number = |name: &str| {
+            let text = entry(name)?;
+            let number: Option<f64> = text.parse().ok().filter(|value: &f64| value.is_finite());
+            number.ok_or_else(|| format!("{name} = {text}"))
+        };
         Ok(Self {
             key: entry("key")?.clone(),
             compliance: Arc::new(Mat::from_fn(size, size, |row, column| {
@@ -218,5 +221,82 @@ impl CondensedBody {
             of: entry("of")?.clone(),
             file: None,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use railspring_testing::fuzz::{Corpus, Effort, Fate};
+
+    use super::*;
+
+    /// A body of two by two contact nodes with made-up numbers.
+    fn body() -> CondensedBody {
+        let value = |row: usize, column: usize| 1e-9 / (1.0 + row.abs_diff(column) as f64);
+        let nodes: Vec<Point3<f64>> =
+            [[0.0, 0.0], [0.0, 6e-3], [8e-3, 0.0], [8e-3, 6e-3]].map(|[x, y]| Point3::new(x, y, 1e-3)).into();
+        CondensedBody {
+            key: "a key".into(),
+            compliance: Arc::new(Mat::from_fn(12, 12, value)),
+            grid: SurfaceGrid {
+                along_profile: vec![0.0, 6e-3],
+                along_track: vec![0.0, 8e-3],
+                nodes: vec![3, 7, 11, 15],
+            },
+            section: Some(SectionMotion {
+                shear_centre: Point2::new(0.0, 0.1),
+                flexibility: Matrix3::identity() * 1e-9,
+                nodes: nodes.iter().map(|p| Point2::new(p.y, p.z)).collect(),
+                moved: [0, 1, 2].map(|k| (0..12).map(|row| value(row, k)).collect()),
+            }),
+            modes: Some(Modes {
+                contact: Mat::from_fn(12, 2, |row, mode| value(row, 5 * mode)),
+                stiffness: DMatrix::identity(2, 2) * 1e6,
+                coupling: DMatrix::from_element(6, 2, 0.5),
+                rigid: Matrix6::identity() * 300.0,
+                master: Point3::new(0.0, 0.0, -0.4),
+            }),
+            nodes,
+            equations: 96,
+            mass: 300.0,
+            surface: Material { damping: 0.0, ..Material::STEEL },
+            of: "numbers".into(),
+            file: None,
+        }
+    }
+
+    /// Goal: mutated files are read or refused, without a panic and in time; all numbers of what is read are finite, and it is read again as it is written.
+    fn fuzzed(effort: Effort) {
+        let whole = body();
+        assert_eq!(CondensedBody::read(&whole.write()).unwrap(), whole);
+        Corpus::of(vec![("body".into(), whole.write())]).fuzz("condensed bodies", effort, |_, bytes| {
+            let read = match CondensedBody::read(bytes) {
+                Ok(read) => read,
+                Err(error) => return Fate::Refused(error.to_string()),
+            };
+            let Material { young, poisson, density, .. } = read.surface;
+            if ![read.mass, young, poisson, density].iter().all(|value| value.is_finite()) {
+                return Fate::Silent("a number that is not finite".into());
+            }
+            match CondensedBody::read(&read.write()) {
+                Ok(again) if again == read => Fate::Read,
+                Ok(_) => Fate::Silent("another body when it is read again".into()),
+                Err(error) => Fate::Silent(format!("refused when it is read again: {error}")),
+            }
+        });
+    }
+
+    #[test]
+    fn mutated_files_are_read_or_refused() {
+        fuzzed(Effort::Time(Duration::from_secs(5)));
+    }
+
+    /// Goal: no file of a condensed body makes a panic or a hang in ten minutes of mutated bytes.
+    #[test]
+    #[ignore = "ten minutes: cargo long fuzz"]
+    fn ten_minutes_of_fuzzed_bodies() {
+        fuzzed(Effort::Time(Duration::from_secs(600)));
     }
 }

@@ -1,7 +1,12 @@
 //! The element as a file.
 
+use std::time::Duration;
+
+use railspring_testing::fuzz::{Corpus, Effort, Fate};
+
 use super::element;
 use crate::element::Element;
+use crate::file::with_own_hash;
 
 /// Goal: what is written is read again to the last bit, and the same element gives the same bytes. Exact.
 #[test]
@@ -62,4 +67,34 @@ fn files_of_no_element_are_refused() {
     assert!(wrong(&|e| e.friction = 999.0).contains("friction"));
     assert!(wrong(&|e| e.strips.influence.flexibility = -1.0).contains("relief"));
     assert!(wrong(&|e| e.tape.x = 1e6).contains("out of range"));
+}
+
+/// Goal: mutated files are refused, and with the hash that their content has they are read or refused: no panic, and in time. What is read is written and read again.
+fn fuzzed(effort: Effort) {
+    let whole = element().write();
+    Corpus::of(vec![("element".into(), whole.clone())]).fuzz("elements", effort, |_, bytes| {
+        let read = Element::read(bytes);
+        if read.is_ok() && bytes != whole {
+            return Fate::Silent("another file was taken as written".into());
+        }
+        let forged = with_own_hash(bytes).map(|bytes| Element::read(&bytes));
+        if let Some(Ok(forged)) = forged
+            && let Err(error) = Element::read(&forged.write())
+        {
+            return Fate::Silent(format!("what was read is refused when it is written: {error}"));
+        }
+        Fate::of(read)
+    });
+}
+
+#[test]
+fn mutated_files_are_refused() {
+    fuzzed(Effort::Time(Duration::from_secs(5)));
+}
+
+/// Goal: no file of an element makes a panic or a hang in ten minutes of mutated bytes.
+#[test]
+#[ignore = "ten minutes: cargo long fuzz"]
+fn ten_minutes_of_fuzzed_elements() {
+    fuzzed(Effort::Time(Duration::from_secs(600)));
 }

@@ -7,7 +7,7 @@ is evaluated by the library itself, and so is an `Element`, the contact of a pai
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from ._native import Contact, Element, Law, LawFit, TableLaw, Unit, fit_law
+from ._native import Contact, Element, Law, LawFit, TableLaw, Unit, check_as_written, fit_law
 
 if TYPE_CHECKING:
     from .program import ProgramError, calibrate, element, fit, make_table, run
@@ -27,6 +27,7 @@ __all__ = [
     "Unit",
     "averaged_ratio",
     "calibrate",
+    "check_as_written",
     "element",
     "fit",
     "fit_law",

@@ -9,6 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 def run_program(arguments: list[str], file: str, command: str | None) -> int:
     """Runs the program `railspring` with arguments, the first of them its name; its exit code. `file` is this module, `command` what starts the program."""
 
+def check_as_written(path: str | PathLike[str]) -> None:
+    """Refuses, with a ValueError, a `stiffness.json`, a `table.json`, or a `table.csv` beside one, that is not as the program wrote it."""
+
 class Law:
     """The law ``k(F) = dF/dx = a + b * (F/f0)**c`` with f0 = 1 kN: a and b in N/m.
 

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from ._native import Law, TableLaw
+from ._native import Law, TableLaw, check_as_written
 
 AnyPath = str | PathLike[str]
 
@@ -75,10 +75,12 @@ class Calibration:
 
     @classmethod
     def read(cls, folder: AnyPath) -> "Calibration":
-        """Reads the output folder of a calibration, or its `stiffness.json`."""
+        """Reads the output folder of a calibration, or its `stiffness.json`; a file that was edited is refused."""
         path = Path(folder)
         path = path / "stiffness.json" if path.is_dir() else path
-        return cls(path.parent, _json(path, "calibrate", ("reference", "references", "pair")))
+        record = _json(path, "calibrate", ("reference", "references", "pair"))
+        check_as_written(path)
+        return cls(path.parent, record)
 
     @property
     def pair(self) -> str:
@@ -141,7 +143,7 @@ class Table:
 
     @classmethod
     def read(cls, folder: AnyPath) -> "Table":
-        """Reads the output folder of a table."""
+        """Reads the output folder of a table; files that were edited are refused."""
         folder = Path(folder)
         record = _json(folder / "table.json", "table", ("cases", "table"))
         path = folder / "table.csv"
@@ -152,6 +154,7 @@ class Table:
         places = sum(len(case["places"]) for case in record["cases"])
         if places != len(rows):
             raise ValueError(f"{folder}: {len(rows)} rows in table.csv and {places} places in table.json; make the table again")
+        check_as_written(path)
         return cls(folder, rows, record)
 
     def place(self, row: int) -> dict[str, Any]:

@@ -167,8 +167,9 @@ fn given(section: &str, file: &MeshFile, answer: &[u8]) -> Result<GivenMesh> {
     };
     let (words, rest) = answer[end + 1..].as_chunks::<8>();
     let [nodes, hexes, contact, held, groups] = counts;
-    let expected = 3 * nodes + 8 * hexes + contact + held + groups;
-    if format != FORMAT || !rest.is_empty() || words.len() != expected {
+    let each = [(3, nodes), (8, hexes), (1, contact), (1, held), (1, groups)];
+    let expected = each.iter().try_fold(0_usize, |sum, (words, of)| sum.checked_add(of.checked_mul(*words)?));
+    if format != FORMAT || !rest.is_empty() || expected != Some(words.len()) {
         return Err(broken().into());
     }
     let (points, numbers) = words.split_at(3 * nodes);
@@ -211,4 +212,102 @@ fn check_touch(section: &str, mesh: &HexMesh, curve: &ProfileCurve, s: f64) -> R
         "name a surface that goes further across the track",
     )
     .into())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use railspring_calibrate::mesh::mesh_rail;
+    use railspring_testing::fuzz::{Corpus, Effort, Fate};
+
+    use super::*;
+    use crate::results::bodies::geometry;
+    use crate::study::Study;
+
+    /// The answer of the reader for a mesh in metres.
+    fn answer(mesh: &HexMesh) -> Vec<u8> {
+        let (contact, held) = (&mesh.contact.nodes, &mesh.foot);
+        let header = format!(
+            "{{\"format\": {FORMAT}, \"nodes\": {}, \"hexes\": {}, \"contact\": {}, \"held\": {}, \"groups\": 0}}\n",
+            mesh.nodes.len(),
+            mesh.hexes.len(),
+            contact.len(),
+            held.len()
+        );
+        let places = mesh.nodes.iter().flat_map(|node| [node.x, node.y, node.z]).flat_map(f64::to_le_bytes);
+        let nodes = mesh.hexes.iter().flatten().chain(contact).chain(held);
+        let nodes = nodes.flat_map(|node| (*node as i64).to_le_bytes());
+        header.into_bytes().into_iter().chain(places).chain(nodes).collect()
+    }
+
+    /// Source: a rail of a few hundred elements of the tool's own, as the reader answers. Goal: it is taken; with other bytes it is taken or refused, without a
+    /// panic and in time.
+    fn fuzzed(effort: Effort) {
+        let text = "name = \"x\"\n[rail]\nprofile = \"60E1\"\nlength_m = 0.3\n[wheel]\nprofile = \"S1002\"\n";
+        let study = Study::parse(Path::new("study.toml"), text).unwrap_or_else(|error| panic!("{error}"));
+        let statics = study.statics();
+        let geometry = geometry::geometry(statics).unwrap();
+        let options = MeshOptions {
+            contact_element: 8e-3,
+            contact_element_along: 8e-3,
+            rail_section_element: 20e-3,
+            rail_length_element: 60e-3,
+            ..MeshOptions::default()
+        };
+        let pair = &geometry.pair;
+        let mesh = mesh_rail(&pair.rail, &pair.placed, statics.rail.length, &options).unwrap();
+        let file = MeshFile {
+            file: "rail.msh".into(),
+            path: "rail.msh".into(),
+            hash: String::new(),
+            unit: 1.0,
+            contact: "contact".into(),
+            held: "held".into(),
+            groups: Vec::new(),
+        };
+        Corpus::of(vec![("answer".into(), answer(&mesh))]).fuzz("meshes", effort, |_, bytes| {
+            let read = given("rail", &file, bytes);
+            Fate::of(
+                read.and_then(|given| given_rail(given, &pair.placed.curve, statics.rail.length, &options)),
+            )
+        });
+    }
+
+    #[test]
+    fn mutated_answers_are_read_or_refused() {
+        fuzzed(Effort::Time(Duration::from_secs(5)));
+    }
+
+    /// Goal: no answer of the mesh reader makes a panic or a hang in ten minutes of mutated bytes.
+    #[test]
+    #[ignore = "ten minutes: cargo long fuzz"]
+    fn ten_minutes_of_fuzzed_answers() {
+        fuzzed(Effort::Time(Duration::from_secs(600)));
+    }
+
+    /// Goal: counts of the header whose sum is the right one by overflow alone are refused.
+    #[test]
+    fn counts_do_not_overflow() {
+        let file = |answer: &[u8]| {
+            let file = MeshFile {
+                file: "rail.msh".into(),
+                path: "rail.msh".into(),
+                hash: String::new(),
+                unit: 1.0,
+                contact: String::new(),
+                held: String::new(),
+                groups: Vec::new(),
+            };
+            given("rail", &file, answer)
+        };
+        let header = |hexes: u64, held: u64| {
+            format!(
+                "{{\"format\": {FORMAT}, \"nodes\": 0, \"hexes\": {hexes}, \"contact\": 0, \"held\": {held}, \"groups\": 0}}\n"
+            )
+        };
+        assert!(file(header(0, 0).as_bytes()).is_ok());
+        // eight times this is 2^64
+        assert!(file(header(1 << 61, 0).as_bytes()).is_err());
+    }
 }

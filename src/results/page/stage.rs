@@ -3,7 +3,7 @@
 use railspring_profiles::error::Result;
 
 use super::build;
-use crate::engine::list::{Entry, NewFile};
+use crate::engine::list::{Entry, NewFile, Results};
 use crate::engine::output::OutputFolder;
 use crate::engine::stage::{Engine, Made, Stage};
 use crate::engine::store::{Address, Artefact, Kind};
@@ -208,5 +208,10 @@ fn crosscheck_page(
     let sections = differences(folder, record);
     let data =
         PageData { description: input.description, inputs: &input.keys, record, sections: &sections, report };
-    folder.write(CROSSCHECK_PAGE, page(&data).as_bytes())
+    let results = Results::new(folder);
+    let key = results.entry(CROSSCHECK).map_or_else(|| record.input_hash.clone(), |entry| entry.key);
+    // the page shows seconds and the host
+    let file =
+        NewFile { reproducible: false, ..NewFile::new(CROSSCHECK_PAGE, page(&data).into_bytes(), &key) };
+    results.write(vec![file], &[])
 }

@@ -118,8 +118,18 @@ fn the_sizes_are_those_of_the_meshes() {
     for options in [MeshOptions::default(), coarse] {
         let mesh = mesh_rail(&section, &placed, LENGTH, &options).unwrap();
         assert_eq!(rail_size(&section, LENGTH, &options).unwrap(), MeshSize::of(&mesh));
+        let is_part = |least: MeshSize, of: &HexMesh| {
+            let all = MeshSize::of(of);
+            println!("{least:?} of {all:?}");
+            // the layers are a third of a mesh at least, so that they say how large it is
+            least.contact == all.contact
+                && (all.nodes / 3..all.nodes).contains(&least.nodes)
+                && least.hexes < all.hexes
+        };
+        assert!(is_part(least_rail_size(&section, LENGTH, &options).unwrap(), &mesh));
         let mesh = mesh_wheel(&round, &options).unwrap();
         assert_eq!(wheel_size(&round, &options).unwrap(), MeshSize::of(&mesh));
+        assert!(is_part(least_wheel_size(&round, &options).unwrap(), &mesh));
     }
 }
 

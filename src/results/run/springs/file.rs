@@ -6,7 +6,6 @@ use railspring_calibrate::law::Form;
 use railspring_element::pair_element::PairElement;
 use railspring_profiles::error::{InputError, Result};
 use railspring_profiles::units::KILONEWTON_PER_METRE;
-use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
 use crate::engine::output::read_text;
@@ -25,29 +24,11 @@ use crate::results::run::springs::written::{LARGEST_STIFFNESS, WrittenLaw, given
 use crate::results::springs::record::{BeamFactors, StiffnessRecord};
 use crate::study::{ContactElementKey, LawAcceptedKey, LawKey, PairRecord};
 
-/// What is taken of a `stiffness.json`; it has much more.
-#[derive(Debug, Deserialize)]
-struct CalibratedLaw {
-    law: CalibratedConstants,
-    horizontal_kn_per_m: Option<f64>,
-    reference: Option<String>,
-    pair: Option<PairRecord>,
-}
-
-#[derive(Debug, Deserialize)]
-struct CalibratedConstants {
-    a_kn_per_m: Option<f64>,
-    b_kn_per_m: Option<f64>,
-    c: Option<f64>,
-    f0_kn: Option<f64>,
-    range_kn: Option<[f64; 2]>,
-}
-
 /// The springs of a file: a `stiffness.json`, or a law written by hand.
 ///
 /// # Errors
-/// [`InputError`] whose key is the file, with the key in it that is wrong: missing or impossible constants, another pair
-/// or another reference that the study does not accept.
+/// [`InputError`] whose key is the file, with the key in it that is wrong: missing or impossible constants, a calibration that was edited, another
+/// pair or another reference that the study does not accept.
 pub fn from_file(input: &SpringsInput<'_>, geometry: &Geometry, path: &Path) -> Result<SpringsRecord> {
     let name = path.display().to_string();
     if input.simulation.law == LawKey::Published {
@@ -61,22 +42,12 @@ pub fn from_file(input: &SpringsInput<'_>, geometry: &Geometry, path: &Path) -> 
     }
     let text = read_text(path, "calibrate")?;
     let form: serde_json::Value = parsed(&name, &text)?;
-    let (law, pair) = if form.get("law").is_some() {
-        let file: CalibratedLaw = parsed(&name, &text)?;
-        let law = WrittenLaw {
-            a_kn_per_m: file.law.a_kn_per_m,
-            b_kn_per_m: file.law.b_kn_per_m,
-            c: file.law.c,
-            f0_kn: file.law.f0_kn,
-            range_kn: file.law.range_kn,
-            horizontal_kn_per_m: file.horizontal_kn_per_m,
-            reference: file.reference,
-            ..WrittenLaw::default()
-        };
-        (law, file.pair)
-    } else {
-        (parsed(&name, &text)?, None)
+    let calibration = form.get("law").map(|_| calibration(path, &name, &text)).transpose()?;
+    let law: WrittenLaw = match &calibration {
+        Some(calibration) => WrittenLaw::of(calibration),
+        None => parsed(&name, &text)?,
     };
+    let pair = calibration.as_ref().map(|calibration| calibration.pair.clone());
     let laws = (input.element != ContactElementKey::Published).then(|| laws_beside(input, path));
     let (laws, without_laws) = match laws {
         Some(Err(error)) if input.simulation.element.is_some() || broken_beside(path) => return Err(error),
@@ -88,15 +59,9 @@ pub fn from_file(input: &SpringsInput<'_>, geometry: &Geometry, path: &Path) -> 
         Some(Ok(laws)) => (Some(laws), None),
         None => (None, None),
     };
-    let calibration = serde_json::from_str::<StiffnessRecord>(&text).ok();
-    let edited_laws = |laws: &StiffnessByAngleRecord| {
-        (!laws.is_as_written()).then(|| edited(&path.with_file_name(BY_ANGLE).display().to_string()))
-    };
-    let without_laws: Vec<String> =
-        without_laws.into_iter().chain(laws.as_ref().and_then(edited_laws)).collect();
     // The study's own calibration under another name is no other law.
     let own_address = input.calibration();
-    let is_own = |it: &&StiffnessRecord| it.input_hash == own_address.key() && it.is_as_written();
+    let is_own = |it: &&StiffnessRecord| it.input_hash == own_address.key();
     if let Some(stiffness) = calibration.as_ref().filter(is_own) {
         let springs = match &laws {
             Some(laws) => own(input, stiffness, Some(laws))?,
@@ -127,11 +92,9 @@ pub fn from_file(input: &SpringsInput<'_>, geometry: &Geometry, path: &Path) -> 
     if law.range_kn.is_none() {
         notes.push(format!("{name} says no range_kn: whether the run leaves the law's range is unknown"));
     }
-    let is_edited = calibration.as_ref().is_some_and(|calibration| !calibration.is_as_written());
-    notes.extend(is_edited.then(|| edited(&name)));
     let of_pair =
-        calibration.filter(|_| pair.as_ref().is_some_and(|pair| pair.hash == input.statics.pair_key()));
-    notes.extend(match &of_pair {
+        calibration.as_ref().filter(|calibration| calibration.pair.hash == input.statics.pair_key());
+    notes.extend(match of_pair {
         Some(calibration) => of_other_calibration(input, &name, calibration),
         None => vec![format!(
             "{name}: the rail beam is not corrected to the solid rail, as `calibrate` does for its own law"
@@ -145,7 +108,7 @@ pub fn from_file(input: &SpringsInput<'_>, geometry: &Geometry, path: &Path) -> 
             Some(horizontal) => horizontal / KILONEWTON_PER_METRE,
             None => given(&name, "horizontal_kn_per_m", law.horizontal_kn_per_m)?,
         },
-        wheel_mass_kg: match &of_pair {
+        wheel_mass_kg: match of_pair {
             Some(calibration) => calibration.wheel_mass(),
             None => wheel_mass(input, geometry, &name, law.wheel_mass_kg)?,
         },
@@ -160,7 +123,7 @@ pub fn from_file(input: &SpringsInput<'_>, geometry: &Geometry, path: &Path) -> 
     };
     check(&name, &record)?;
     let mut record = record;
-    record.notes.extend(implausible(&name, &record)?);
+    record.notes.extend(implausible(&name, &record, calibration.as_ref())?);
     let element = laws.and_then(|laws| of_laws(Some(&laws), input.element).ok().flatten());
     Ok(match element {
         Some(element) => with_element(record, element),
@@ -171,14 +134,10 @@ pub fn from_file(input: &SpringsInput<'_>, geometry: &Geometry, path: &Path) -> 
 /// What has to be known about the springs of another calibration of the study's pair, which come with the wheel and the beam that they were made with.
 fn of_other_calibration(input: &SpringsInput<'_>, name: &str, calibration: &StiffnessRecord) -> Vec<String> {
     let StiffnessRecord { version, commit, beam, .. } = calibration;
-    let mut notes = Vec::new();
-    // what is edited is said of any calibration
-    if calibration.is_as_written() {
-        notes.push(format!(
-            "{name} is a calibration with other settings or of another program (railspring {version}, {commit}): its law, its wheel \
-             mass and its factors of the rail beam are used"
-        ));
-    }
+    let mut notes = vec![format!(
+        "{name} is a calibration with other settings or of another program (railspring {version}, {commit}): its law, its wheel \
+         mass and its factors of the rail beam are used"
+    )];
     if (beam.length_m - input.statics.rail.length).abs() > 1e-9 {
         notes.push(format!(
             "{name}: the factors of the rail beam are those of a rail of {} m, not of {} m",
@@ -188,9 +147,11 @@ fn of_other_calibration(input: &SpringsInput<'_>, name: &str, calibration: &Stif
     notes
 }
 
-/// That a file is not as the program wrote it.
-fn edited(name: &str) -> String {
-    format!("{name} was edited after it was written: its numbers are not those of a calibration")
+/// A calibration as it was written.
+fn calibration(path: &Path, name: &str, text: &str) -> Result<StiffnessRecord> {
+    let calibration: StiffnessRecord = parsed(name, text)?;
+    calibration.check_as_written(path, "calibrate")?;
+    Ok(calibration)
 }
 
 /// The laws by contact angle beside a law file, of the study's own pair, for its condensed or lumped element.
@@ -245,6 +206,8 @@ fn read_laws(path: &Path) -> Result<StiffnessByAngleRecord> {
     if let Some(lumped) = &laws.lumped {
         lumped.check(&name)?;
     }
+    // last, because the checks above name the key that was edited
+    laws.check_as_written(path, "calibrate")?;
     Ok(laws)
 }
 

@@ -18,7 +18,7 @@ use crate::results::run::input::SpringsInput;
 use crate::results::run::record::{SolidElementRecord, SpringsSource};
 use crate::results::samples;
 use crate::results::springs::form::NormalLawRecord;
-use crate::results::springs::record::{BeamRecord, StiffnessRecord};
+use crate::results::springs::record::{BeamRecord, StiffnessRecord, SubsurfaceRecord};
 use crate::study::{ContactElementKey, Study};
 
 /// ROUNDOFF: a power and some products of numbers of order one.
@@ -123,7 +123,7 @@ fn the_condensed_element_is_that_beside_the_law() {
     let missing = read(&asking).unwrap_err().to_string();
     assert!(missing.contains(BY_ANGLE), "{missing}");
     let beside = folder.path().join(BY_ANGLE);
-    std::fs::write(&beside, to_json(&laws)).unwrap();
+    std::fs::write(&beside, to_json(&laws.clone().sealed())).unwrap();
     for study in [&default, &asking] {
         let springs = read(study).unwrap();
         assert_eq!(springs.element.as_deref(), Some(&SolidElementRecord::Condensed(element())));
@@ -152,13 +152,22 @@ fn the_condensed_element_is_that_beside_the_law() {
             );
         }
     }
-    std::fs::write(&beside, to_json(&laws)).unwrap();
+    std::fs::write(&beside, to_json(&laws.clone().sealed())).unwrap();
     for keys in ["element = \"published\"", "horizontal_kn_per_m = 4e5"] {
         let springs = read(&study(&format!("[simulation]\n{keys}\n"))).unwrap();
         assert_eq!(springs.element_blake3, None, "{keys}");
     }
-    std::fs::write(&beside, to_json(&StiffnessByAngleRecord { pair: samples::by_angle().pair, ..laws }))
-        .unwrap();
+    // nor is what was edited elsewhere
+    std::fs::write(
+        &beside,
+        to_json(&StiffnessByAngleRecord { pair: samples::by_angle().pair, ..laws.clone().sealed() }),
+    )
+    .unwrap();
+    for study in [&default, &asking] {
+        assert!(read(study).unwrap_err().to_string().contains("edited after it was written"));
+    }
+    let other = StiffnessByAngleRecord { pair: samples::by_angle().pair, ..laws };
+    std::fs::write(&beside, to_json(&other.sealed())).unwrap();
     assert_eq!(read(&default).unwrap().element_blake3, None);
     let another = read(&asking).unwrap_err().to_string();
     assert!(another.contains("another-pair"), "{another}");
@@ -174,7 +183,7 @@ fn the_lumped_element_is_that_beside_the_law() {
     std::fs::write(&path, LAW).unwrap();
     let read = |lumped: Option<LumpedRecord>| {
         let pair = asking.statics().pair();
-        let laws = StiffnessByAngleRecord { lumped, pair, ..samples::by_angle() };
+        let laws = StiffnessByAngleRecord { lumped, pair, ..samples::by_angle() }.sealed();
         std::fs::write(folder.path().join(BY_ANGLE), to_json(&laws)).unwrap();
         from_file(&SpringsInput::of(&asking), &geometry::geometry(asking.statics()).unwrap(), &path)
             .map(|springs| (springs, laws))
@@ -233,7 +242,7 @@ fn a_table_has_the_tangents_of_the_calibration() {
     let said = refusal(&with, LAW);
     assert!(said.contains("simulation.law = \"table\""), "{said}");
     let accepting = study("[simulation]\nlaw = \"table\"\nlaw_accepted = [\"another-pair\"]\n");
-    let of_file = read(&accepting, &serde_json::to_string(&record).unwrap()).unwrap();
+    let of_file = read(&accepting, &serde_json::to_string(&record.clone().sealed()).unwrap()).unwrap();
     let table = record.form(Form::Table).unwrap();
     assert_eq!(of_file.law, table.law, "a file of another calibration has its table as well");
 }
@@ -373,29 +382,45 @@ fn another_reference_and_another_pair_need_the_studys_word() {
         check_reference(&SpringsInput::of(&study(&published))).unwrap();
     }
     let mut record = samples::stiffness();
-    let json = |record: &StiffnessRecord| serde_json::to_string(record).unwrap();
+    let json = |record: &StiffnessRecord| serde_json::to_string(&record.clone().sealed()).unwrap();
     let text = refusal(&plain, &json(&record));
     assert!(text.contains("pair = 60E1 and S1002") && text.contains("[\"another-pair\"]"), "{text}");
     assert!(read(&accepting, &json(&record)).unwrap().notes[0].contains("another pair"));
     record.pair = plain.statics().pair();
     // one of the same pair with other settings comes with its wheel and its beam
     record.beam.length_m = plain.rail.length;
-    let sealed = record.clone().sealed();
-    let own_pair = read(&plain, &json(&sealed)).unwrap();
+    let own_pair = read(&plain, &json(&record)).unwrap();
     assert!(own_pair.notes.len() == 1 && own_pair.notes[0].contains("with other settings"), "{own_pair:?}");
     assert_eq!((own_pair.wheel_mass_kg, own_pair.beam), (record.wheel_mass(), record.beam.factors));
     let longer = StiffnessRecord { beam: BeamRecord { length_m: 2.0, ..record.beam }, ..record.clone() };
-    let longer = read(&plain, &json(&longer.sealed())).unwrap().notes;
+    let longer = read(&plain, &json(&longer)).unwrap().notes;
     assert!(longer[1].contains("of a rail of 2 m"), "{longer:?}");
-    // The study's own calibration under another name is no other law, unless it was edited.
+    // no wheel of steel has this pressure
+    let mut soft = record.clone();
+    soft.subsurface = vec![SubsurfaceRecord {
+        force_kn: 60.0,
+        max_von_mises_mpa: 0.5,
+        von_mises_depth_mm: 3.0,
+        max_shear_mpa: 0.3,
+        shear_depth_mm: 3.0,
+        error_band: None,
+    }];
+    let said = read(&plain, &json(&soft)).unwrap().notes;
+    assert!(said.len() == 2 && said[1].contains("MPa; steel wheels have 200 to 6000 MPa"), "{said:?}");
+    // The study's own calibration under another name is no other law; an edited one is none.
     record.input_hash = SpringsInput::of(&plain).calibration().key().into();
     let sealed = record.clone().sealed();
     assert_eq!(read(&plain, &json(&sealed)).unwrap(), own(&SpringsInput::of(&plain), &sealed, None).unwrap());
     let mut edited = sealed;
     edited.law.constants.b_kn_per_m *= 1.001;
-    let found = read(&plain, &json(&edited)).unwrap();
-    assert!(found.notes.len() == 1 && found.notes[0].contains("was edited"), "{found:?}");
-    assert!(matches!(found.source, SpringsSource::File { .. }), "{found:?}");
+    let said = refusal(&plain, &serde_json::to_string(&edited).unwrap());
+    assert!(said.contains("edited after it was written") && said.contains("railspring calibrate"), "{said}");
+    // nor is one that lost a key with its hash
+    let mut cut = serde_json::to_value(&edited).unwrap();
+    cut.as_object_mut().unwrap().remove("content_blake3");
+    assert!(refusal(&plain, &cut.to_string()).contains("edited after it was written"));
+    cut.as_object_mut().unwrap().remove("beam");
+    assert!(refusal(&plain, &cut.to_string()).contains("`beam`"));
     let published = study("[simulation]\nlaw = \"published\"\n");
     assert!(refusal(&published, LAW).starts_with("simulation.law = "));
 }

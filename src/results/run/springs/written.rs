@@ -6,6 +6,7 @@ use serde::Deserialize;
 
 use crate::results::springs::form::{NormalLawRecord, SeriesConstants, StepsConstants, TablePoints};
 use crate::results::springs::law::LawConstants;
+use crate::results::springs::record::{LawRecord, StiffnessRecord};
 
 /// A law as a person writes it: the constants and units of `stiffness.json`, and what is known about them.
 #[derive(Debug, Default, Deserialize)]
@@ -44,6 +45,21 @@ fn keys(form: Form) -> &'static [&'static str] {
 }
 
 impl WrittenLaw {
+    /// That of a calibration in use, of the form of a power.
+    pub fn of(calibration: &StiffnessRecord) -> Self {
+        let LawRecord { constants, range_kn, .. } = &calibration.law;
+        Self {
+            a_kn_per_m: Some(constants.a_kn_per_m),
+            b_kn_per_m: Some(constants.b_kn_per_m),
+            c: Some(constants.c),
+            f0_kn: Some(constants.f0_kn),
+            range_kn: Some(*range_kn),
+            horizontal_kn_per_m: calibration.horizontal_kn_per_m,
+            reference: Some(calibration.reference.clone()),
+            ..Self::default()
+        }
+    }
+
     /// The law; `name` is the file.
     ///
     /// # Errors
