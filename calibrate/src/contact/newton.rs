@@ -1,10 +1,10 @@
 //! Semismooth Newton iteration on the projections of Signorini and Coulomb.
 //!
 //! P. Alart, A. Curnier, "A mixed formulation for frictional contact problems prone to Newton like solution
-//! methods", Comput. Methods Appl. Mech. Eng. 92 (1991). Two safeguards: a point that slips to and fro
-//! sticks in between, and after [`PLAIN`] steps a line search on the residual shortens the steps, with the
-//! memory of L. Grippo, F. Lampariello, S. Lucidi, "A nonmonotone line search technique for Newton's method",
-//! SIAM J. Numer. Anal. 23 (1986).
+//! methods", Comput. Methods Appl. Mech. Eng. 92 (1991). There are two safeguards. A point that slips to and
+//! fro sticks in between. After [`PLAIN`] steps a line search on the residual shortens the steps. Its memory
+//! is that of L. Grippo, F. Lampariello, S. Lucidi, "A nonmonotone line search technique for Newton's
+//! method", SIAM J. Numer. Anal. 23 (1986).
 
 use super::dense::{DenseFactor, is_worth_it};
 use super::iterative::{Cone, Factors, Linearised};
