@@ -434,10 +434,12 @@ mod tests {
         Material::STEEL.contact_modulus(&Material::STEEL)
     }
 
-    /// Source: the strips of Hertz's contact, or of a Winkler foundation that is as stiff, times a factor. Goal: approaches that these strips make give them back: the normal stiffness at
-    /// every place of the rail between those of the laws, no hardening, and the tangential stiffness that the flexibility across the normal leaves; approaches of
-    /// strips with a hardening are met as well, but by a foundation, which has none. Accuracy: SOLVER, least squares without a rest; with a hardening, which costs something,
-    /// forces within a hundredth.
+    /// Source: the strips of Hertz's contact, or of a Winkler foundation that is as stiff, times a factor.
+    /// Goal: approaches that these strips make give the strips back. These are the normal stiffness at every
+    /// place of the rail between those of the laws, no hardening, and the tangential stiffness that the
+    /// flexibility across the normal leaves. Approaches of strips with a hardening are met as well, except by
+    /// a foundation, which has none. Accuracy: SOLVER, least squares without a rest. With a hardening, which
+    /// has a cost, forces are met within a hundredth.
     #[test]
     fn strips_are_found_from_their_approaches() {
         const SOLVER: f64 = 1e-6;
