@@ -42,8 +42,9 @@ fn band(out: &Path) -> (StiffnessRecord, ErrorBandRecord) {
     (record, band)
 }
 
-/// Goal: `stiffness.json` has a band for every load and reference, which is the sum of the sizes of its parts, and the largest of all loads;
-/// the terminal says it; the second run takes everything from the store and says the same; a cross-check does not depend on it.
+/// Goal: `stiffness.json` has a band for every load and reference, which is the sum of the sizes of its
+/// parts, and the largest of all loads. The terminal prints it. The second run takes everything from the
+/// store and prints the same. A cross-check does not depend on it.
 #[test]
 fn the_calibration_says_what_its_law_is_worth() {
     let folder = tempfile::tempdir().unwrap();
@@ -85,8 +86,9 @@ fn the_calibration_says_what_its_law_is_worth() {
     assert!(second.contains("calibration: taken from the store") && second.contains(&line), "{second}");
 }
 
-/// Goal: a wanted band between that of the study's meshes and that of the next finer ones refines them once, on which the laws, the bands and the
-/// laws by contact angle are then made, also from the store; one that no grid reaches ends with what remains.
+/// Goal: a wanted band between that of the study's meshes and that of the next finer ones refines them once.
+/// The laws, the bands and the laws by contact angle are then made on these meshes, also from the store. A
+/// band that no grid reaches ends with the smallest one.
 #[test]
 #[ignore = "a minute: cargo long error_band"]
 fn a_wanted_band_refines_the_meshes() {

@@ -50,9 +50,11 @@ fn off([run, exact]: [&History; 2], force: fn(&HistoryRow) -> f64, until: f64) -
     [(squares / shares.len() as f64).sqrt(), shares.iter().fold(0.0, |most, share| most.max(*share))]
 }
 
-/// Source: the same run with 256 equal steps in each of the history. Goal: P and Q (RMS over their peaks, as long as the motion is determined, of element and solid) of the condensed element with the steps of a
-/// study, in every load case of the default studies, and what the verdict says that its steps are worth, as long as its own motion is. Accuracy: DISCRETISATION, 0.5 %: half of what the solid's steps are worth, so that the root of the
-/// squares of both is the solid's but for an eighth.
+/// Source: the same run with 256 equal steps in each of the history. Goal: P and Q of the condensed element
+/// with the steps of a study, in every load case of the default studies, and the error of its steps that the
+/// verdict states. P and Q are RMS over their peaks, as long as the motion is determined, of element and
+/// solid; the stated error counts as long as the element's own motion is. Accuracy: DISCRETISATION, 0.5 %:
+/// half of the solid's step error, so that the root of the squares of both is the solid's but for an eighth.
 #[test]
 #[ignore = "half a minute: cargo long own_steps"]
 fn steps_of_a_study_are_worth_half_of_the_solids() {

@@ -242,10 +242,13 @@ impl<'a> Case<'a> {
     }
 }
 
-/// Source: the solid model of the default studies. Goal: errors of 2, 5, 10 and 20 % and some others, each in the simple model alone, are found by a line of the verdict
-/// that fails; printed is the smallest size of either sign that is found with the present and with the earlier limits. Every error that moves P, Q or the flexibility of the hub by more
-/// than twice what the solid is worth is found, in load cases in which nothing fails without an error. Where something does, an error may bring the simple model nearer to the solid, which no comparison of
-/// the two can tell; those are printed. `RAILSPRING_STUDIES=PART` does some of the studies.
+/// Source: the solid model of the default studies. Goal: errors of 2, 5, 10 and 20 % and some others, each in
+/// the simple model alone, are found by a line of the verdict that fails. Printed is the smallest size of
+/// either sign that is found with the present and with the earlier limits. Every error that moves P, Q or the
+/// flexibility of the hub by more than twice the solid's own error is found, in load cases in which nothing
+/// fails without an error. Where something fails, an error may bring the simple model nearer to the solid,
+/// which no comparison of the two can tell. Those are printed. `RAILSPRING_STUDIES=PART` does some of the
+/// studies.
 #[test]
 #[ignore = "twenty minutes: cargo long planted_errors"]
 fn errors_beyond_what_the_solid_is_worth_are_found() {

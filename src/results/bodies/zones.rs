@@ -1,8 +1,9 @@
 //! How far the contact zone of the meshes reaches: as far as the contact goes.
 //!
-//! The zone of the study carries what it can. A contact window of the program's own choice is made as long as the
-//! Hertz patch of the largest load asks for before anything is meshed; where a run reaches the end of the zone, it is
-//! made larger, the bodies are meshed again, and the run starts again.
+//! The contact zone of the study, made larger where a run needs it. A contact window of the program's own
+//! choice is as long as the Hertz patch of the largest load asks for. It is chosen before anything is meshed.
+//! Where a run reaches the end of the zone, the zone is made larger, the bodies are meshed again, and the run
+//! starts again.
 
 use railspring_calibrate::analytic::hertz::point_contact;
 use railspring_calibrate::calibration::LARGEST_NORMAL;

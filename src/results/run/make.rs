@@ -135,8 +135,9 @@ pub struct Tried {
 }
 
 impl Tried {
-    /// From the run of a load case to those with other steps, with a larger input, of which `more_of` says which it is, and of other
-    /// models, each with what it has; these have the steps of the history, or of the longer ones where `models_have_longer_steps`.
+    /// The changes from the run of a load case to other runs, each with its changes: those with other steps,
+    /// with a larger input, which `more_of` names, and of other models. These have the steps of the history,
+    /// or of the longer ones where `models_have_longer_steps`.
     fn new(
         scenario: &Scenario,
         history: &History,

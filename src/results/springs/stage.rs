@@ -275,8 +275,9 @@ fn label(stiffness: &mut StiffnessRecord, key: &str, input: &SolidsInput<'_>, ge
     }
 }
 
-/// A contact at the end of a contact zone that cannot be made larger, under so small a load that there is no law, means loads too large
-/// for the study; on a profile under the smallest load, a place at which the two profiles have no room for a contact.
+/// The error of a contact that ends at the end of a contact zone which cannot be made larger. The load is so
+/// small that there is no law. The loads are then too large for the study. On a profile, under the smallest
+/// load, the two profiles have no room for a contact.
 fn uncarried(statics: Statics<'_>, error: Error) -> Error {
     let Error::Numerics(cause) = &error else { return error };
     let given = statics.rail.mesh.is_some() || statics.wheel.mesh.is_some();

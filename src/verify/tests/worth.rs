@@ -19,8 +19,9 @@ fn compared(simple: &History, solid: [&History; 2], limits: &Limits) -> Comparis
     super::super::compare(&ModelRun::alone(simple), &with(solid[0], solid[1], &spread), limits).unwrap()
 }
 
-/// Goal: a disturbed P that leaves that of the run (100 kN) linearly, by 5 % of it in 0.2 s, is determined until it is 2.5 % off, at 0.1 s; up to then RMS
-/// and largest change are those of the line, as from then on, and averages over 24 ms are off by the line's mean over them. Of Q (40 kN) 1 % is off throughout, so that Q/P
+/// Goal: a disturbed P leaves that of the run (100 kN) linearly, by 5 % of it in 0.2 s. It is determined
+/// until it is 2.5 % off, at 0.1 s. Up to then RMS and largest change are those of the line, as from then on.
+/// Averages over 24 ms are off by the line's mean over them. Of Q (40 kN) 1 % is off throughout, so that Q/P
 /// (0.4) is off by the ratio of the two. Accuracy: ROUNDOFF, DISCRETISATION (a row of 0.5 ms).
 #[test]
 fn a_growing_spread_is_determined_until_its_threshold() {
@@ -134,9 +135,11 @@ fn swinging(phase: f64, mean: f64) -> History {
     history(500, move |t| (p(t), 0.25 * p(t)), SLIP)
 }
 
-/// Source: mean, RMS and quantiles of a sine with amplitude a: 0, a/√2 and -a·cos(πq). Goal: from where the phase of the disturbed run jumps on, means and so on are compared;
-/// a simple model with another phase holds there, and its differences are those that the rows of 0.5 ms leave; one with another mean (by 24 kN, 20 % of the peak) fails in the
-/// mean and the quantiles of P, each by 0.2. Before that they are compared step by step. Accuracy: DISCRETISATION, of a quantile over 40 rows of a period.
+/// Source: mean, RMS and quantiles of a sine with amplitude a: 0, a/√2 and -a·cos(πq). Goal: from where the
+/// phase of the disturbed run jumps on, means and so on are compared. A simple model with another phase holds
+/// there, and its differences are those that the rows of 0.5 ms leave. One with another mean (by 24 kN, 20 %
+/// of the peak) fails in the mean and the quantiles of P, each by 0.2. Before that they are compared step by
+/// step. Accuracy: DISCRETISATION, of a quantile over 40 rows of a period.
 #[test]
 fn statistics_take_over_where_the_motion_is_not_determined() {
     const DISCRETISATION: f64 = 0.01;
@@ -219,9 +222,12 @@ fn separations_are_compared_while_they_are_determined() {
     assert!((rate.solid_worth.unwrap() - 0.98f64.hypot(1.0) / 3.0).abs() < ROUNDOFF, "{rate:?}");
 }
 
-/// Goal: with errors of averaged P and Q of 2 and 0.7 kN, twice the RMS changes of the disturbed run, Q/P of 0.3 is off by (0.7 + 0.3·2)/(P - 2) at most, which is 0.5 at
-/// P = 4.6 kN; the steps at which the solid is below are left out, and a line says how many of those with a load are. P of 100 kN falls to 4.5 kN within the step after 0.1 s, so that its
-/// average is above 10 kN, a tenth of the peak, up to 0.1225 s: all of these 246 carry the ratio. What the simple model is worth changes nothing. Accuracy: ROUNDOFF.
+/// Goal: errors of averaged P and Q of 2 and 0.7 kN are twice the RMS changes of the disturbed run. With them
+/// Q/P of 0.3 is off by (0.7 + 0.3·2)/(P - 2) at most, which is 0.5 at P = 4.6 kN. The steps at which the
+/// solid is below are left out. A line gives the number of those that count among those with a load. P of 100
+/// kN falls to 4.5 kN within the step after 0.1 s, so that its average is above 10 kN, a tenth of the peak,
+/// up to 0.1225 s. All of these 246 carry the ratio. The simple model's own error changes nothing. Accuracy:
+/// ROUNDOFF.
 #[test]
 fn averaged_ratios_are_compared_where_p_of_the_solid_carries_them() {
     let carrying = Carrying { errors: [2e3, 0.7e3], limit: 0.5 };

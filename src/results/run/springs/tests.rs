@@ -164,8 +164,10 @@ fn the_condensed_element_is_that_beside_the_law() {
     assert!(another.contains("another-pair"), "{another}");
 }
 
-/// Goal: a study that asks for the lumped element has that of the laws by contact angle beside the law, with another hash than the condensed one's and, in SI units, the constants of the file; laws without it,
-/// and constants that no calibration writes, are refused with their key. Springs go from one element to another and back, and the published one needs no laws.
+/// Goal: a study that asks for the lumped element has that of the laws by contact angle beside the law. Its
+/// hash differs from that of the condensed one. In SI units it has the constants of the file. Laws without
+/// it, and constants that no calibration writes, are refused with their key. Springs go from one element to
+/// another and back, and the published one needs no laws.
 #[test]
 fn the_lumped_element_is_that_beside_the_law() {
     let asking = study("[simulation]\nelement = \"lumped\"\n");
