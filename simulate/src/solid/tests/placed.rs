@@ -75,10 +75,10 @@ struct Touch {
 }
 
 /// Source: rigid bodies on springs. Where two circles that are turned by φ touch, the normal is at the same
-/// angle a to the vertical on both, so that the places are at a - φ. φ and the displacements are those of the
-/// springs under the force along the normal, whose vertical part is `vertical` (N). Both places are at the
-/// same y, but for the `approach` (m) along the normal. `hub` is the displacement of the wheel's hub to the
-/// side, with its first place, m.
+/// angle a to the vertical on both, so that the places are at a - φ. The angle φ and the displacements are
+/// those of the springs under the force along the normal, whose vertical part is `vertical` (N). Both places
+/// are at the same y, but for the `approach` (m) along the normal. `hub` is the displacement of the wheel's
+/// hub to the side, with its first place, m.
 fn rigid_touch(vertical: f64, hub: f64, approach: f64) -> Touch {
     let side = |angle: f64, force: Vector2<f64>, body: usize| {
         let mut place = angle;
