@@ -20,10 +20,12 @@ mod rail_at;
 mod alone;
 mod lacking;
 mod fitted;
+mod from_profiles;
 mod run;
 mod advance;
 
 pub use fitted::{fitted_element, fitted_lumped};
+pub use from_profiles::ElementFit;
 pub use model::CondensedModel;
 pub use rail_at::{RailAtWheel, RailOscillator};
 
