@@ -170,7 +170,7 @@ fn table_and_record_agree() {
             && page.contains("contact angle at the first touch")
     );
     assert!(
-        page.contains("What the laws by contact angle are worth") && page.contains("The bars are the error")
+        page.contains("Error bands of the laws by contact angle") && page.contains("The bars are the error")
     );
     assert!(root.join("out/figures/by_angle.svg").exists());
     let listed = read(root, "results.json");

@@ -89,8 +89,8 @@ impl TransientModel<'_> {
         reduction::first_of(scenario)
     }
 
-    /// A load case with so many `modes` of each reduced body, and with nothing beside: what it changes by on other meshes or another grid says
-    /// what these are worth.
+    /// A load case with so many `modes` of each reduced body, and with nothing beside: what it changes by on other meshes or another grid is
+    /// the error of these.
     ///
     /// # Errors
     /// As [`TransientModel::run`], and [`InputError`] for bodies at full order.

@@ -25,7 +25,7 @@ pub struct Band {
 }
 
 impl Band {
-    /// The band of a run, its averages as the limits have them; none where nothing is known of what it is worth.
+    /// The band of a run, its averages as the limits have them; none where nothing is known of its uncertainty.
     pub fn around(run: &ModelRun<'_>, limits: &Limits) -> Option<Self> {
         if run.steps.is_none() && run.disturbed.is_none() {
             return None;

@@ -16,7 +16,7 @@ const SMALLEST_PEAK: f64 = 0.05;
 /// Errors of averaged forces over their RMS changes: what 95 of 100 of them stay within.
 pub(super) const COVERAGE: f64 = 2.0;
 
-/// A change of the averaged Q/P is taken where both runs know it so well: what a run is worth does not depend on what a study asks of it.
+/// A change of the averaged Q/P is taken where both runs know it so well: the uncertainty of a run does not depend on what a study asks of it.
 const KNOWN: f64 = 0.5;
 
 /// Change of a run. Forces are over their largest in the whole run, or over a twentieth of the other one's if

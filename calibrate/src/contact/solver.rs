@@ -8,7 +8,7 @@
 //! satisfies the conditions of the problem as it is posed, to the same tolerance.
 
 use super::conjugate_gradients::conjugate_gradients;
-use super::dense::{DenseFactor, is_worth_it};
+use super::dense::{DenseFactor, is_affordable};
 use super::iterative::{Factors, Linearised};
 use super::newton::{Goal, TOLERANCE, newton, slip_rows};
 use super::preconditioned::preconditioned;
@@ -241,7 +241,7 @@ pub fn response_to(
     let motions = || rates.iter().map(|rates| linearised.motion(|row| rates[row])).collect::<Vec<_>>();
     let response = linearised.solve(&motions(), LINEAR, LINEAR, factors);
     let response = response.or_else(|| {
-        if !is_worth_it(m, problem.has_products()) {
+        if !is_affordable(m, problem.has_products()) {
             return None;
         }
         let mut system = state.linearised(&rows, &[], 0);

@@ -204,13 +204,13 @@ fn contact_modulus(statics: Statics<'_>) -> f64 {
 }
 
 /// The end of a contact zone that a contact has reached.
-pub struct Reached {
+pub struct ZoneLimit {
     end: SurfaceEnd,
     /// When or under which load, in words.
     cause: String,
 }
 
-impl Reached {
+impl ZoneLimit {
     /// The end that numerics have stopped at, if it is that.
     pub fn by(cause: &NumericsError) -> Option<Self> {
         Some(Self { end: SurfaceEnd::of(cause.reason)?, cause: cause.to_string() })
@@ -226,7 +226,7 @@ impl Reached {
 }
 
 /// What work within the contact zones has come to.
-pub struct Within<T> {
+pub struct ZonedResult<T> {
     /// Its result.
     pub result: T,
     /// Whether there would be more of it, had larger meshes not been refused: then it does not follow from the study alone.
@@ -247,17 +247,17 @@ pub fn within_zones<T>(
     monitor: &dyn Monitor,
     accept: impl Fn(&Meshes) -> Result<()>,
     work: impl Fn(&Meshes) -> Result<T>,
-    reached: impl Fn(&T) -> Option<Reached>,
-) -> Result<Within<T>> {
-    let whole = |result| Within { result, refused: false };
+    reached: impl Fn(&T) -> Option<ZoneLimit>,
+) -> Result<ZonedResult<T>> {
+    let whole = |result| ZonedResult { result, refused: false };
     for extension in 0..EXTENSIONS {
         let done = work(meshes);
         let at_the_end = match &done {
             Ok(result) => reached(result),
-            Err(Error::Numerics(cause)) => Reached::by(cause),
+            Err(Error::Numerics(cause)) => ZoneLimit::by(cause),
             Err(_) => None,
         };
-        let Some(Reached { end, cause }) = at_the_end else { return done.map(whole) };
+        let Some(ZoneLimit { end, cause }) = at_the_end else { return done.map(whole) };
         let Some(next) = enlarged(statics, geometry, meshes, (end, extension)) else {
             return done.map(whole);
         };
@@ -265,7 +265,7 @@ pub fn within_zones<T>(
             (Ok(()), _) => {}
             (Err(refusal @ Error::Input(_)), Ok(result)) => {
                 monitor.notice(&format!("{cause}; a larger contact zone is refused: {refusal}"));
-                return Ok(Within { result, refused: true });
+                return Ok(ZonedResult { result, refused: true });
             }
             (Err(refusal), _) => return Err(refusal),
         }

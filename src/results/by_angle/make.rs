@@ -147,7 +147,7 @@ pub fn place(
     Ok(shift_record(shift, law, bands.and_then(|mut bands| bands.remove(0))))
 }
 
-/// What laws at the fixed loads are worth, on a finer grid, on the bodies of coarser meshes and by the scatter of measured profiles.
+/// Error bands of laws at the fixed loads, on a finer grid, on the bodies of coarser meshes and by the scatter of measured profiles.
 ///
 /// # Errors
 /// An interruption.
@@ -165,7 +165,7 @@ fn bands(
     Ok(changed.into_iter().map(|changed| changed.map(band)).collect())
 }
 
-/// What the constants of the lumped element are worth, by the bodies of coarser meshes beside its own.
+/// Error band of the constants of the lumped element, by the bodies of coarser meshes beside its own.
 fn lumped_band(geometry: &Geometry, bodies: &ElementBodies<'_>, coarser: &CoarserBodies) -> LumpedBandRecord {
     let changes = match coarser {
         Ok(coarser) => ElementBodies::new(&geometry.pair, &coarser.bodies, geometry.beam.length())

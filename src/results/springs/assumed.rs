@@ -19,7 +19,7 @@ use crate::results::bodies::meshes::Meshes;
 use crate::results::bodies::others::{Other, Part, assumptions, others};
 use crate::results::bodies::zones::mesh_options;
 use crate::results::springs::assumed_record::{AssumedRecord, AssumedReference, OtherRecord};
-use crate::results::springs::make::{FoundSprings, contact_conditions};
+use crate::results::springs::make::{FittedSprings, contact_conditions};
 use crate::study::Statics;
 
 /// Loads under which others are compared, at most.
@@ -34,7 +34,7 @@ pub fn assumed(
     statics: Statics<'_>,
     geometry: &Geometry,
     (meshes, bodies): (&Meshes, &CondensedPair),
-    found: &FoundSprings,
+    found: &FittedSprings,
     condense: impl Fn(&Geometry, &Meshes) -> Result<CondensedPair>,
     monitor: &dyn Monitor,
 ) -> Result<Option<AssumedRecord>> {
@@ -128,7 +128,7 @@ pub fn assumed(
 }
 
 /// The horizontal stiffness of the springs at a preload, N/m.
-fn own_horizontal(found: &FoundSprings, preload: f64) -> Option<f64> {
+fn own_horizontal(found: &FittedSprings, preload: f64) -> Option<f64> {
     let points = &found.horizontal.as_ref()?.points;
     points.iter().find(|point| (point.preload / preload - 1.0).abs() < 1e-9).map(|point| point.stiffness)
 }

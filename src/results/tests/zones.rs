@@ -90,7 +90,7 @@ fn what_was_done_is_kept_where_no_larger_zone_can_be_had() {
             *runs.lock().unwrap() += 1;
             Ok(ended(end))
         };
-        let reached = |ending: &Ending| Reached::in_time(*ending);
+        let reached = |ending: &Ending| ZoneLimit::in_time(*ending);
         let done =
             within_zones(study.statics(), &geometry, &mut used, &notes, accept, work, reached).unwrap();
         assert_eq!(done.result, ended(end));

@@ -1,4 +1,4 @@
-//! What runs are worth themselves: spreads, steps and statistics that are known in closed form.
+//! Numerical uncertainty of runs: spreads, steps and statistics that are known in closed form.
 
 use std::f64::consts::{PI, TAU};
 
@@ -97,10 +97,10 @@ fn the_first_load_that_acts_is_disturbed() {
     assert_eq!(other.lateral_force.amplitude, 5e3 * 1.001);
 }
 
-/// Goal: a difference of P over its limit of 1 % holds up to what the solid is worth: 2 % with the larger input and 1.5 % with other steps, 2.5 % together; what the
-/// simple model is worth stands beside it and changes nothing. Accuracy: ROUNDOFF.
+/// Goal: a difference of P over its limit of 1 % holds up to the uncertainty of the solid: 2 % with the larger input and 1.5 % with other steps, 2.5 % together; that of the
+/// simple model stands beside it and changes nothing. Accuracy: ROUNDOFF.
 #[test]
-fn a_line_holds_by_what_the_solid_is_worth() {
+fn a_line_holds_by_the_uncertainty_of_the_solid() {
     let flat = |p: f64| history(401, move |_| (p, 20e3), SLIP);
     let (solid, disturbed, longer) = (flat(100e3), flat(102e3), flat(98.5e3));
     let spread = Spread::between(&solid, &disturbed, "lateral force").unwrap();
@@ -110,8 +110,8 @@ fn a_line_holds_by_what_the_solid_is_worth() {
     let rough = flat(90e3);
     for (p, held_by) in [
         (100.9e3, Some(HeldBy::Limit)),
-        (102.4e3, Some(HeldBy::SolidWorth)),
-        (97.6e3, Some(HeldBy::SolidWorth)),
+        (102.4e3, Some(HeldBy::SolidUncertainty)),
+        (97.6e3, Some(HeldBy::SolidUncertainty)),
         (102.6e3, None),
     ] {
         let simple = flat(p);
@@ -120,8 +120,8 @@ fn a_line_holds_by_what_the_solid_is_worth() {
         let simple = with(&simple, &rough, &of_simple);
         let found = super::super::compare(&simple, &solid, &limits).unwrap();
         let line = line(&found, "P, RMS");
-        assert!((line.solid_worth.unwrap() - 0.025).abs() < ROUNDOFF, "{line:?}");
-        assert!((line.simple_worth.unwrap() - (p - 90e3).abs() / 100e3).abs() < ROUNDOFF, "{line:?}");
+        assert!((line.solid_uncertainty.unwrap() - 0.025).abs() < ROUNDOFF, "{line:?}");
+        assert!((line.simple_uncertainty.unwrap() - (p - 90e3).abs() / 100e3).abs() < ROUNDOFF, "{line:?}");
         assert_eq!((line.held_by, line.holds), (held_by, held_by.is_some()), "{line:?}");
         assert!((line.allowed() - 0.025).abs() < ROUNDOFF);
         assert_eq!(line.over_s, Some([0.0, 0.2]));
@@ -179,8 +179,11 @@ fn a_short_rest_is_compared_step_by_step() {
         let disturbed = history(400, jump(at), SLIP);
         let found = compared(&solid, [&solid, &disturbed], &Limits::default());
         assert_eq!(found.compared.pointwise_until_s, pointwise);
-        let worth = line(&found, "P, largest").solid_worth.unwrap();
-        assert!((worth - if pointwise.is_some() { 0.0 } else { 0.2 }).abs() < ROUNDOFF, "{worth}");
+        let uncertainty = line(&found, "P, largest").solid_uncertainty.unwrap();
+        assert!(
+            (uncertainty - if pointwise.is_some() { 0.0 } else { 0.2 }).abs() < ROUNDOFF,
+            "{uncertainty}"
+        );
     }
 }
 
@@ -209,7 +212,7 @@ fn separations_are_compared_while_they_are_determined() {
     let rate = line(&found, "Undetermined motion: separations a second");
     assert_eq!((rate.value, rate.holds), (Some(1.0), false), "{rate:?}");
     // both runs of the solid have the same three: known up to one of them
-    assert!((rate.solid_worth.unwrap() - 1.0 / 3.0).abs() < ROUNDOFF, "{rate:?}");
+    assert!((rate.solid_uncertainty.unwrap() - 1.0 / 3.0).abs() < ROUNDOFF, "{rate:?}");
     assert_eq!(found.compared.separations.solid[4], Separation { begin_s: 0.25, end_s: 0.26 });
     // one as long as the shortest counts or not by where the steps of the history are: that and the ends of the time add as squares
     let times: &[(f64, f64)] = &[(0.05, 0.06), (0.095, 0.12), (0.15, 0.16), (0.2, 0.202), (0.25, 0.26)];
@@ -219,7 +222,7 @@ fn separations_are_compared_while_they_are_determined() {
         "Undetermined motion: separations a second",
     )
     .clone();
-    assert!((rate.solid_worth.unwrap() - 0.98f64.hypot(1.0) / 3.0).abs() < ROUNDOFF, "{rate:?}");
+    assert!((rate.solid_uncertainty.unwrap() - 0.98f64.hypot(1.0) / 3.0).abs() < ROUNDOFF, "{rate:?}");
 }
 
 /// Goal: errors of averaged P and Q of 2 and 0.7 kN are twice the RMS changes of the disturbed run. With them
@@ -266,10 +269,10 @@ fn averaged_ratios_are_compared_where_p_of_the_solid_carries_them() {
     assert!(left_out.value == Some(1.0) && !left_out.holds, "{left_out:?}");
 }
 
-/// Goal: what another discretisation of the solid changes is a part of its worth: 3 % of P by a grid and 4 % by a mesh are 5 % together; of the simple model it changes nothing of
+/// Goal: what another discretisation of the solid changes is a part of its uncertainty: 3 % of P by a grid and 4 % by a mesh are 5 % together; of the simple model it changes nothing of
 /// whether a line holds. Accuracy: ROUNDOFF.
 #[test]
-fn discretisations_are_a_part_of_the_worth() {
+fn discretisations_are_a_part_of_the_uncertainty() {
     let flat = |p: f64| history(401, move |_| (p, 20e3), SLIP);
     let solid = flat(100e3);
     let change = |p: f64, with: &str| ModelChange::between([&solid, &flat(p)], with, None).unwrap();
@@ -282,11 +285,11 @@ fn discretisations_are_a_part_of_the_worth() {
     };
     let near = flat(104.9e3);
     let found = both(&near, &[], &changes);
-    assert!((found.solid_worth.unwrap() - 0.05).abs() < ROUNDOFF, "{found:?}");
-    assert_eq!((found.held_by, found.holds), (Some(HeldBy::SolidWorth), true));
+    assert!((found.solid_uncertainty.unwrap() - 0.05).abs() < ROUNDOFF, "{found:?}");
+    assert_eq!((found.held_by, found.holds), (Some(HeldBy::SolidUncertainty), true));
     let found = both(&near, &changes, &[]);
     // of its own P, over the solid's
-    assert!((found.simple_worth.unwrap() - 0.05 * 1.049).abs() < ROUNDOFF && !found.holds, "{found:?}");
+    assert!((found.simple_uncertainty.unwrap() - 0.05 * 1.049).abs() < ROUNDOFF && !found.holds, "{found:?}");
     let text = changes[0].to_string();
     assert!(text.starts_with("with a finer grid P changes by 3.00 % of its largest (RMS)"), "{text}");
 }
@@ -313,6 +316,6 @@ fn averaged_ratios_have_lines_over_the_whole_run() {
     assert_eq!(line(&found, "Averaged Q/P, largest").value, Some(0.0));
     let later = line(&found, "Undetermined motion: averaged Q/P, largest");
     assert!((later.value.unwrap() - 0.025).abs() < DISCRETISATION, "{later:?}");
-    assert!((later.solid_worth.unwrap() - 0.03).abs() < DISCRETISATION, "{later:?}");
+    assert!((later.solid_uncertainty.unwrap() - 0.03).abs() < DISCRETISATION, "{later:?}");
     assert_eq!(later.over_s, Some([0.05, 0.2495]));
 }

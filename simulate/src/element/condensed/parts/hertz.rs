@@ -22,7 +22,7 @@ const EVEN: usize = 4;
 /// Of an approach at least so much presses strips.
 const LEAST_PRESSED: f64 = 0.15;
 
-/// The weight is no larger.
+/// Upper bound of the relief weight.
 const HEAVIEST: f64 = 3.0;
 
 /// Parts of half a contact in which its load is summed.
