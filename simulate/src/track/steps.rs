@@ -37,7 +37,7 @@ impl<'a, const N: usize> TrackDynamics<'a, N> {
     /// The track over steps of `scheme`.
     ///
     /// # Errors
-    /// [`NumericsError`] for equations without a solution.
+    /// [`NumericsError`](railspring_profiles::error::NumericsError) for equations without a solution.
     pub fn over(&'a self, scheme: Newmark) -> Result<TrackSteps<'a, N>> {
         let factor = self.factor(1.0, gains(&scheme)).ok_or_else(|| self.failure())?;
         Ok(TrackSteps { dynamics: self, scheme, factor, meeting: RefCell::new(None) })

@@ -11,7 +11,7 @@ use crate::time::scenario::HarmonicForce;
 #[test]
 fn a_mass_on_a_spring_follows_a_sine_of_the_ground() {
     const DISCRETISATION: f64 = 1e-3;
-    let (mass, stiffness, amplitude) = (5750.0, 1.595e6, 0.5);
+    let (mass, stiffness, amplitude) = (5750.0, 1.595e6_f64, 0.5);
     let own = (stiffness / mass).sqrt();
     for ratio in [0.2, 0.5, 0.9, 1.1, 1.7, 3.0] {
         let omega = ratio * own;
@@ -41,7 +41,7 @@ fn a_mass_on_a_spring_follows_a_sine_of_the_ground() {
 #[test]
 fn a_rail_bends_under_an_accelerated_ground() {
     const QUASI_STATIC: f64 = 0.02;
-    let (length, bending, mass) = (4.0, 6.38e6, 60.2);
+    let (length, bending, mass) = (4.0, 6.38e6_f64, 60.2);
     let period = TAU / ((TAU / 2.0 / length).powi(2) * (bending / mass).sqrt());
     let ramp = 20.0 * period;
     let case = TrackCase {

@@ -431,7 +431,7 @@ fn other_units_are_noticed() {
     let of_force = said(&common.replace("\"f0_kn\": 1", "\"f0_kn\": 0.001"));
     assert!(of_force.len() == 1 && of_force[0].contains("tangent"), "{of_force:?}");
     let of_mass = said(&common.replace("320", "0.32"));
-    assert!(of_mass.len() == 1 && of_mass[0].contains("mass of the wheel is 0.32 kg"), "{of_mass:?}");
+    assert!(of_mass.len() == 1 && of_mass[0].contains("mass of the wheel is 0.320 kg"), "{of_mass:?}");
     for (from, to, key) in [
         ("294000", "1e308", "b_kn_per_m"),
         ("30000", "1e30", "a_kn_per_m"),
