@@ -163,7 +163,7 @@ fn commanded(cli: &Cli) -> u8 {
         Ok(true) => 0,
         Ok(false) => 1,
         Err(failure) => {
-            let (messages, code) = failure.said();
+            let (messages, code) = failure.messages();
             messages.iter().for_each(|message| complain(message));
             if let Some(name) = cli.command.prints_json() {
                 // what standard output does not take cannot be said there

@@ -2,13 +2,33 @@
 //!
 //! [`railspring_calibrate`] turns two profiles into a stiffness law, and [`railspring_simulate`] runs a wheel with that law on
 //! a rail of beams. This crate is the program around them: it reads a study ([`study`]), makes its results ([`results`]) or takes
-//! them from store and folder ([`engine`]), and compares the simple model with the solid one ([`verify`]). Whoever needs a law or a simulation in a program uses the two libraries; this one belongs to the command
-//! `railspring` and may change with every version.
+//! them from store and folder ([`engine`]), and compares the simple model with the solid one ([`verify`]). A program that
+//! needs a law or a simulation uses the two libraries. This one belongs to the command `railspring` and may change with
+//! every version.
 //!
-//! The modules stand in the order of the pipeline: a module uses only those
-//! above it.
+//! The modules stand in the order of the pipeline: a module uses only those above it.
+//!
+//! | modules | content |
+//! |---|---|
+//! | [`version`], [`program`], [`rounding`], [`hash`] | version and commit; the program's file; digits of errors; keys of inputs |
+//! | [`verify`] | the verdict's numbers: differences, limits, statistics |
+//! | [`study`], [`template`] | the input file: keys, checks, SI values; studies of `railspring new` |
+//! | [`python`] | Python environments and packages |
+//! | [`engine`] | stages, the store, output folders |
+//! | [`pdf`], [`report`] | printed pages; axes, panels and pages from templates |
+//! | [`self_test`] | the program's own test on the machine at hand |
+//! | [`results`] | each result: its inputs, its files, how it is made |
+//! | [`compare`] | two results side by side |
+//! | [`table`] | tables of springs |
+//! | [`track`] | load cases on a track without profiles |
+//! | [`export`] | springs as files for other programs |
+//! | [`cluster`] | tables on Dask |
+//! | [`cli`] | arguments, progress, exit codes |
 //!
 //! # A verdict from code
+//!
+//! The condensed element and the solid model run the same load case.
+//!
 //! ```
 #![doc = include_str!("../examples/verdict.rs")]
 //! ```

@@ -47,13 +47,13 @@ impl Check {
     }
 
     /// Difference over the expected value.
-    pub fn off(&self) -> f64 {
+    pub fn relative_error(&self) -> f64 {
         self.found / self.expected - 1.0
     }
 
     /// Whether it is within the tolerance; what is no number is not.
     pub fn holds(&self) -> bool {
-        self.off().abs() <= self.tolerance
+        self.relative_error().abs() <= self.tolerance
     }
 }
 
@@ -260,7 +260,13 @@ mod tests {
         let all = checks(&Silent).unwrap();
         assert!(all.len() > 8);
         for check in &all {
-            println!("{}: {:e}, {:e}: {:.2e}", check.name, check.found, check.expected, check.off());
+            println!(
+                "{}: {:e}, {:e}: {:.2e}",
+                check.name,
+                check.found,
+                check.expected,
+                check.relative_error()
+            );
             assert!(check.holds(), "{check:?}");
             let other = 1.0 + 1.5 * check.tolerance;
             for wrong in [check.expected * other, f64::NAN] {

@@ -156,8 +156,8 @@ pub(crate) fn parsed<T: DeserializeOwned>(
         findings.iter().map(|finding| at(finding.offset, finding.error.clone())).collect();
     // Without the keys that are wrong, the others can still be checked against each other.
     let wrong = findings.iter().filter_map(|finding| finding.key).collect();
-    let sound = toml::de::Deserializer::from(check::without(parsed, &wrong));
-    match T::deserialize(sound) {
+    let valid = toml::de::Deserializer::from(check::without(parsed, &wrong));
+    match T::deserialize(valid) {
         Ok(document) => Ok(Parsed { document, source, findings, mistakes }),
         Err(_) if !mistakes.is_empty() => Err(Mistakes::sorted(mistakes)),
         Err(cause) => Err(Mistakes::sorted(vec![syntax(cause)])),

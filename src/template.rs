@@ -132,8 +132,9 @@ fn relative(file: &Path, folder: &Path) -> PathBuf {
     }
 }
 
-/// The text of a study with a key in the place of the line that has it, or of the line after a `#` that has its default; a key that has neither goes to the end
-/// of its section, and a section that is not there to the end.
+/// The text of a study with a key. It stands in the place of the line that has it, or of the line after a `#`
+/// that has its default. A key that has neither goes to the end of its section, and a section that is not
+/// there to the end.
 fn with(text: &str, setting: &Setting) -> String {
     let (section, name) = setting.key().rsplit_once('.').unwrap_or(("", setting.key()));
     let value = setting.toml().map(|value| format!("{name} = {value}"));

@@ -5,7 +5,7 @@
 //! coefficient Q/P is compared as averages over a window of time
 //! (publication, equation 16); times without contact are paired by overlap.
 //!
-//! Beside every difference stands what each model is worth itself: how far its
+//! Beside every difference stands the numerical uncertainty of each model: how far its
 //! run changes with steps of another length, and with an input that is 0.1 % larger.
 //! Where the latter changes the solid's motion out of proportion, the motion
 //! is not determined, and statistics of both runs are compared (`docs/verdict.md`).
@@ -47,7 +47,7 @@ pub use en14363::{Percentiles, RunningStatistics, accepted, low_passed};
 pub use limits::{ChangedLimit, Limits};
 pub use line::{Criterion, HeldBy, Kind, Line, NotApplicable};
 pub use model_change::{Afterwards, ModelChange, RunChange};
-pub use model_run::{ModelRun, Worth};
+pub use model_run::{ModelRun, NumericalUncertainty};
 pub use signals::{
     Both, Carrying, FLANGE_SIDE, ModeFractions, Separation, averaged_ratio, mode_fractions, separations,
     touches_with_flange,

@@ -21,9 +21,11 @@ fn json(root: &Path, file: &str) -> Value {
     serde_json::from_str(&std::fs::read_to_string(root.join(file)).unwrap()).unwrap()
 }
 
-/// Source: ASME V&V 20 for the parts of the record, and the study's own load curve. Goal: a study that says what it is for and names a curve has its requirements as lines of the
-/// verdict, the curve's errors in `verification.json` and on the page; the model's displacement lies between those of the loads beside the measured force;
-/// a requirement that is not kept fails the command. Units: mm, kN. Accuracy: ROUNDOFF of a root of squares.
+/// Source: ASME V&V 20 for the parts of the record, and the study's own load curve. Goal: a study with an
+/// intended use and a measured curve has its requirements as lines of the verdict. The curve's errors are in
+/// `verification.json` and on the page. The model's displacement lies between those of the loads beside the
+/// measured force. A requirement that is not kept fails the command. Units: mm, kN. Accuracy: ROUNDOFF of a
+/// root of squares.
 #[test]
 fn a_study_is_held_against_its_use_and_a_measurement() {
     const ROUNDOFF: f64 = 1e-12;

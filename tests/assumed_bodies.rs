@@ -1,8 +1,11 @@
 //! Laws with true bodies against the range that the law with assumed ones states, over random bodies, through the program.
 //!
-//! Source: profiles of `railspring_testing::measured`, which are no standards of the tool, on bodies drawn at random from what is in use: straight, conical and S webs of
-//! 16 to 32 mm, rims of 35 to 80 mm and hubs of 215 to 340 mm, and the flat-bottom rails of catalogues whose head is as wide as the measured one within 5 mm. Goal: the displacement of
-//! the approach and against the beam, and the horizontal stiffness, lie within the stated range in 95 % of the cases. Elements of 6 mm: what bodies change is not local.
+//! Source: profiles of `railspring_testing::measured`, which are no standards of the tool, on bodies drawn at
+//! random from those in use. Wheels have straight, conical and S webs of 16 to 32 mm, rims of 35 to 80 mm and
+//! hubs of 215 to 340 mm. Rails are the flat-bottom ones of catalogues whose head is as wide as the measured
+//! one within 5 mm. Goal: the displacement of the approach and against the beam, and the horizontal
+//! stiffness, lie within the stated range in 95 % of the cases. Elements of 6 mm serve, as the effect of
+//! bodies is not local.
 
 use railspring_profiles::profile::rail_catalogue::{CATALOGUE_RAILS, CatalogueRail};
 use railspring_testing::measured::{MeasuredPair, measured_pair};

@@ -61,8 +61,9 @@ fn with_another_displacement(history: &str) -> String {
     format!("{rows}\n{}\n", cells.join(","))
 }
 
-/// Goal: the histories of each element, that of the disturbed run too, are the same bytes whether the study has chosen it or not; what an earlier choice has
-/// left goes, with verdict and report; an edited history of another element is refused by the report with its name, and is made again.
+/// Goal: the histories of each element, that of the disturbed run too, are the same bytes whether the study
+/// has chosen it or not. Files of an earlier choice are removed, with verdict and report. The report refuses
+/// an edited history of another element with its name, and the run makes it again.
 #[test]
 fn the_other_element_runs_as_if_it_were_chosen() {
     let root = tempfile::tempdir().unwrap();

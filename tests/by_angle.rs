@@ -39,10 +39,11 @@ fn read(root: &Path, file: &str) -> String {
     std::fs::read_to_string(root.join("out").join(file)).unwrap()
 }
 
-/// Goal: the table has the numbers of the JSON file, a row for each shift, load and reference, units in its headings; a place at which the wheel
-/// misses the rail is an entry with the key to change, beside whole ones; every law has its error band, which is the sum of the sizes of
-/// its parts, and the ratio of its secant to the published one where its loads have the range (here not); the report shows figure and
-/// bands and says so; `results.json` lists both files. Units mm, kN, kN/m, 1. Accuracy: equal numbers.
+/// Goal: the table has the numbers of the JSON file, a row for each shift, load and reference, and units in
+/// its headings. A place at which the wheel misses the rail is an entry with the key to change, beside whole
+/// ones. Every law has its error band, which is the sum of the sizes of its parts. It has the ratio of its
+/// secant to the published one where its loads have the range (here not). The report shows figure and bands
+/// with their captions. `results.json` lists both files. Units mm, kN, kN/m, 1. Accuracy: equal numbers.
 #[test]
 #[ignore = "a minute: cargo long by_angle"]
 fn table_and_record_agree() {
@@ -169,18 +170,19 @@ fn table_and_record_agree() {
             && page.contains("contact angle at the first touch")
     );
     assert!(
-        page.contains("What the laws by contact angle are worth") && page.contains("The bars are the error")
+        page.contains("Error bands of the laws by contact angle") && page.contains("The bars are the error")
     );
     assert!(root.join("out/figures/by_angle.svg").exists());
     let listed = read(root, "results.json");
     assert!(listed.contains("stiffness_by_angle.json") && listed.contains("stiffness_by_angle.csv"));
 }
 
-/// Goal: on the flange the patch is longer than the contact window of the meshes; the law there reaches the largest load all the same, on
-/// the larger elements beyond, for little and much friction, on the fine grid, and has its error band; where the study gives the window, the
-/// law ends with that key, and without `calibration.error_band` there are no bands. The elements beyond the window change displacement and
-/// tangent on the tread by less than the band. Unit kN. Accuracy: the largest load of the study; MODEL, the band of the law against the foot,
-/// whose rail has the most of the meshes in it.
+/// Goal: on the flange the patch is longer than the contact window of the meshes. The law there still reaches
+/// the largest load, on the larger elements beyond, for little and much friction, on the fine grid, and has
+/// its error band. Where the study gives the window, the law ends with that key. Without
+/// `calibration.error_band` there are no bands. The elements beyond the window change displacement and
+/// tangent on the tread by less than the band. Unit kN. Accuracy: the largest load of the study; MODEL, the
+/// band of the law against the foot, whose rail has the most of the meshes in it.
 #[test]
 #[ignore = "a minute: cargo long by_angle"]
 fn the_law_on_the_flange_reaches_the_largest_load() {

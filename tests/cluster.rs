@@ -203,8 +203,9 @@ fn a_cluster_that_loses_a_worker_comes_to_the_same_bytes() {
     assert_eq!(cluster.entries("place-"), seen, "workers that share the store have none themselves");
 }
 
-/// Goal: the wheels of a folder go to the workers in packages, on bodies that are condensed once; with a worker killed and a file that is no profile among them the
-/// table has the bytes of one without a cluster, and the file is a row with its reason. Source: the worn wheel with hollows, to 3 mm.
+/// Goal: the wheels of a folder go to the workers in packages, on bodies that are condensed once. A worker is
+/// killed, and one file is no profile. The table has the bytes of one without a cluster, and the file is a
+/// row with its reason. Source: the worn wheel with hollows, to 3 mm.
 #[test]
 #[ignore = "two minutes: cargo long cluster"]
 fn a_folder_goes_to_a_cluster_in_packages() {
@@ -234,9 +235,10 @@ fn a_folder_goes_to_a_cluster_in_packages() {
     assert!(cluster.entries("body-") <= 4, "{} bodies", cluster.entries("body-"));
 }
 
-/// Goal: a worker that is stopped while it has a body, whose connections stay, is lost after the time that is given: others make what it had and what it did, the
-/// table has the bytes of one without a cluster, and the loss is said. Accuracy: the time is 2 s, and heartbeats come every half second, of which
-/// ten are waited for: 5 s, and a look every 5 s; without that the scheduler waits for 300 s.
+/// Goal: a worker that is stopped while it has a body, whose connections stay, is lost after the given time.
+/// Others make what it had and what it did, the table has the bytes of one without a cluster, and the loss is
+/// reported. Accuracy: the time is 2 s. Heartbeats come every half second, of which ten are waited for: 5 s,
+/// and a look every 5 s. Without that the scheduler waits for 300 s.
 #[test]
 #[ignore = "a minute: cargo long cluster"]
 fn a_worker_that_hangs_is_lost() {
@@ -364,9 +366,10 @@ fn processor_seconds(process: u32) -> f64 {
     (fields[11].parse::<f64>().unwrap() + fields[12].parse::<f64>().unwrap()) / 100.0
 }
 
-/// Goal: a table on a cluster that loses workers is the same. A worker is killed every 20 s and another one begun, and the table has the bytes of
-/// one without a cluster; places a second with one to three workers; what a step costs client and scheduler, and with that, by simulation,
-/// clusters of up to 1,000 workers and 1,000,000 cases. The numbers are printed, and stand in docs/dask.md.
+/// Goal: a table on a cluster that loses workers is the same. A worker is killed every 20 s and another one
+/// begun, and the table has the bytes of one without a cluster. Measured are places a second with one to
+/// three workers, and what a step costs client and scheduler. With that, simulated are clusters of up to
+/// 1,000 workers and 1,000,000 cases. The numbers are printed, and stand in docs/dask.md.
 #[test]
 #[ignore = "ten minutes: cargo long cluster"]
 fn trial() {

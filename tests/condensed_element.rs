@@ -78,9 +78,10 @@ fn ratio(root: &Path) -> f64 {
     (off.iter().map(|off| off * off).sum::<f64>() / off.len() as f64).sqrt()
 }
 
-/// Source: the solid model on the same bodies. Goal: P and Q (RMS over the solid's peak), averaged Q/P (RMS) where P exceeds a tenth of its peak, begin and end of the separations (s) over
-/// 60 ms; displacement of the hub along the contact normal (over that under the largest load) and its lateral flexibility at ten places and
-/// loads of 20 to 120 kN. Accuracy: MODEL.
+/// Source: the solid model on the same bodies. Goal: P and Q (RMS over the solid's peak), averaged Q/P (RMS)
+/// where P exceeds a tenth of its peak, begin and end of the separations (s) over 60 ms. Goal in statics:
+/// displacement of the hub along the contact normal (over that under the largest load) and its lateral
+/// flexibility at ten places and loads of 20 to 120 kN. Accuracy: MODEL.
 #[test]
 #[ignore = "a minute: cargo long condensed_element"]
 fn the_condensed_element_follows_the_solid() {

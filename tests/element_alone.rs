@@ -14,7 +14,9 @@ use tempfile::TempDir;
 /// Rows of the load case: through the first impacts on the flange.
 const ROWS: usize = 120;
 
-/// RMS of a difference over the largest force that a host's own scheme with 16 steps a row leaves: 0.12 % of P and Q over all of load case 4.1, a half with half of the steps; through the impacts on a coarse mesh four times as much is allowed.
+/// Largest RMS of a difference over the largest force, with a host's own scheme and 16 steps a row. Over all
+/// of load case 4.1 the scheme leaves 0.12 % of P and Q, and half of that with half of the steps. Through the
+/// impacts on a coarse mesh four times as much is allowed.
 const STEPS: f64 = 0.005;
 
 /// Load case 4.1 of the publication to 60 ms, without the solid.
@@ -247,8 +249,10 @@ fn run_example(interpreter: &Path, name: &str, arguments: &[&str], study: &Path,
     println!("{}", said(&output));
 }
 
-/// Source: FMPy's validation against the standard, and FMPy as master. Goal: it finds nothing to complain of; it simulates the unit for co-simulation and for model exchange; hub and rail of a master in Python have the forces of the project's own run (kN); a state
-/// that is set back repeats its step, and directional derivatives agree with differences (`fmpy_check.py` says how closely). Accuracy: STEPS.
+/// Source: FMPy's validation against the standard, and FMPy as master. Goal: it finds no fault. It simulates
+/// the unit for co-simulation and for model exchange. Hub and rail of a master in Python have the forces of
+/// the project's own run (kN). A state that is set back repeats its step. Directional derivatives agree with
+/// differences; `fmpy_check.py` has the limit. Accuracy: STEPS.
 #[test]
 fn fmpy_runs_the_unit() {
     let Some(interpreter) = railspring_testing::fmpy(Path::new(env!("CARGO_TARGET_TMPDIR"))) else {

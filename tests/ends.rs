@@ -43,10 +43,11 @@ fn json(folder: &Path, file: &str) -> Value {
     serde_json::from_str(&text(folder, file)).unwrap()
 }
 
-/// Goal: a calibration whose largest load, kN, and a run whose contact after some milliseconds need a longer contact window than the study gives
-/// end with what they have, not with an error: the verdict fails in the two lines that count them, the law goes up to the load before and the
-/// history to the step before, and files, report and terminal say where and why. Stored files are read back. Both are what the study gives
-/// without the load and the steps.
+/// Goal: a calibration and a run that need a longer contact window than the study gives end with what they
+/// have, not with an error. The calibration does so at its largest load, kN, the run at a contact after some
+/// milliseconds. The verdict fails in the two lines that count them. The law goes up to the load before and
+/// the history to the step before. Files, report and terminal say where and why. Stored files are read back.
+/// Both are what the study gives without the load and the steps.
 #[test]
 fn what_was_done_before_the_end_is_kept() {
     let root = tempfile::tempdir().unwrap();

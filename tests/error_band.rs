@@ -1,4 +1,4 @@
-//! The calibration says what its law is worth, and refines its meshes until it is worth what the study wants.
+//! The calibration states the error band of its law, and refines its meshes until the band is as narrow as the study wants.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -42,10 +42,11 @@ fn band(out: &Path) -> (StiffnessRecord, ErrorBandRecord) {
     (record, band)
 }
 
-/// Goal: `stiffness.json` has a band for every load and reference, which is the sum of the sizes of its parts, and the largest of all loads;
-/// the terminal says it; the second run takes everything from the store and says the same; a cross-check does not depend on it.
+/// Goal: `stiffness.json` has a band for every load and reference, which is the sum of the sizes of its
+/// parts, and the largest of all loads. The terminal prints it. The second run takes everything from the
+/// store and prints the same. A cross-check does not depend on it.
 #[test]
-fn the_calibration_says_what_its_law_is_worth() {
+fn the_calibration_states_the_error_band_of_its_law() {
     let folder = tempfile::tempdir().unwrap();
     let (output, out) = calibrate(folder.path(), "first", &study(""), &[]);
     let first = said(&output);
@@ -76,7 +77,7 @@ fn the_calibration_says_what_its_law_is_worth() {
     assert_eq!(of.band.unwrap(), largest);
     assert!((1e-4..0.3).contains(&of.band.unwrap()), "{of:?}");
     assert!(first.contains(&of.sentence()), "{first}");
-    let line = record.worth().remove(0);
+    let line = record.law_errors().remove(0);
     assert!(line.starts_with("error band of the law (beam): displacement \u{b1}"), "{line}");
     assert!(first.contains(&line), "{first}");
     assert!(first.contains("wheel of coarser elements: made"), "{first}");
@@ -85,8 +86,9 @@ fn the_calibration_says_what_its_law_is_worth() {
     assert!(second.contains("calibration: taken from the store") && second.contains(&line), "{second}");
 }
 
-/// Goal: a wanted band between that of the study's meshes and that of the next finer ones refines them once, on which the laws, the bands and the
-/// laws by contact angle are then made, also from the store; one that no grid reaches ends with what remains.
+/// Goal: a wanted band between that of the study's meshes and that of the next finer ones refines them once.
+/// The laws, the bands and the laws by contact angle are then made on these meshes, also from the store. A
+/// band that no grid reaches ends with the smallest one.
 #[test]
 #[ignore = "a minute: cargo long error_band"]
 fn a_wanted_band_refines_the_meshes() {

@@ -54,9 +54,9 @@ fn the_expected_memory_is_that_of_the_run() {
     assert!((expected - measured).abs() < MODEL * measured + ROUNDED, "{expected} GiB, measured {measured}");
 }
 
-/// Goal: a limit below the need and elements that need twenty times the limit are refused with exit code 2, the line of the key,
-/// and sizes that would do, within seconds and without results, by every command that makes a mesh; `--dry-run` of commands that cost little
-/// says what they would do.
+/// Goal: a limit below the need and elements that need twenty times the limit are refused by every command
+/// that makes a mesh. The refusal has exit code 2, the line of the key and sizes that would do. It comes
+/// within seconds and without results. `--dry-run` of cheap commands prints what they would do.
 #[test]
 #[ignore = "a minute: cargo long estimate"]
 fn what_the_machine_cannot_hold_is_refused() {

@@ -44,8 +44,9 @@ fn head() -> String {
     ["y_mm,z_mm\n".to_owned()].into_iter().chain(rows).collect()
 }
 
-/// The springs of a measured head without a study: its standard is found and said, what is assumed is said, the results end the command, and the
-/// study that is left in the folder is that of the fit, whose results are taken from the store.
+/// The springs of a measured head without a study. Its standard is found and printed, assumptions are
+/// printed, and the results end the command. The study that is left in the folder is that of the fit, whose
+/// results are taken from the store.
 #[test]
 fn a_pair_is_fitted_without_a_study() {
     let place = empty();

@@ -244,9 +244,10 @@ fn columns_keep_to_the_law() {
     }
 }
 
-/// Source: the forms of `stiffness.json`. Goal: left out, the law is the table, with the solid's own tangents, and for STEM the power; every form that is named keeps to its
-/// own law at 400 loads within the error that its file states, and the heading says the form and what it is worth. A form that is missing is refused by name. Accuracy: that of the
-/// columns.
+/// Source: the forms of `stiffness.json`. Goal: left out, the law is the table, with the solid's own
+/// tangents, and for STEM the power. Every form that is named keeps to its own law at 400 loads within the
+/// error that its file states. The heading has the form and its error. A form that is missing is refused by
+/// name. Accuracy: that of the columns.
 #[test]
 fn every_form_goes_out() {
     let (place, record) = springs(None);

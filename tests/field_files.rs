@@ -41,10 +41,11 @@ fn files(folder: &Path) -> Vec<String> {
     names
 }
 
-/// Goal: ParaView's collections name a file for every load, kN, of the contact, and for three of the solids; meshio reads all of them; with
-/// the z axis up they are the same turned by half a turn about the track: points m, displacements m, stresses Pa, tractions Pa, slips m; and the
-/// cells stay right-handed. The springs are the same to the byte, and a study with fewer loads leaves no file of the one before.
-/// Accuracy: exact, a turn changes signs alone.
+/// Goal: ParaView's collections name a file for every load, kN, of the contact, and for three of the solids.
+/// meshio reads all of them. With the z axis up they are the same turned by half a turn about the track:
+/// points m, displacements m, stresses Pa, tractions Pa, slips m. The cells stay right-handed. The springs
+/// are the same to the byte. A study with fewer loads leaves no file of the one before. Accuracy: exact, a
+/// turn changes signs alone.
 #[test]
 #[ignore = "a minute: cargo long field_files"]
 fn collections_are_read_and_turned() {

@@ -1,7 +1,8 @@
 //! Folders with the measured profiles of a fleet as wheels of a table.
 //!
-//! Goal: every profile in a folder and in the folders in it is a wheel, in whatever format; a file that is none is a row with its reason or is left out, and never ends
-//! the table; what is known of the measurements stands in columns. Source: the worn wheel of `data/profiles`, written in several formats.
+//! Goal: every profile in a folder and in the folders in it is a wheel, in whatever format. A file that is
+//! none is a row with its reason or is left out, and never ends the table. Facts about the measurements stand
+//! in columns. Source: the worn wheel of `data/profiles`, written in several formats.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -45,9 +46,11 @@ fn rows(place: &Place) -> Vec<BTreeMap<String, String>> {
     csv::Reader::from_path(place.path("out/table.csv")).unwrap().deserialize().map(Result::unwrap).collect()
 }
 
-/// Goal: the wheels of three formats in three folders have the same law, files that are no profiles are rows with their reasons, files of other kinds are left out
-/// and said; rows have what a list, the names and the headers say in columns behind the identity, `table.json` has it, and `--where` knows it. Accuracy: FORMAT, the points of
-/// the formats have six digits and more; the smoothing of their scatter is the same.
+/// Goal: the wheels of three formats in three folders have the same law. Files that are no profiles are rows
+/// with their reasons. Files of other kinds are left out, and the terminal counts them. Entries of a list, of
+/// the names and of the headers stand in columns behind the identity. `table.json` has them, and `--where`
+/// knows them. Accuracy: FORMAT, the points of the formats have six digits and more; the smoothing of their
+/// scatter is the same.
 #[test]
 fn a_folder_of_a_fleet_is_a_table() {
     const FORMAT: f64 = 1e-3;

@@ -1,10 +1,13 @@
 //! Tables that are killed, find their disk full, or share a store with others: `railspring table`.
 //!
-//! Goal: nothing is lost and nothing is wrong. Whatever is in the store after a kill is taken by the next table, which comes to the bytes of one
-//! that was left alone; every file in the output folder is a whole one, of this table or of the one before; a disk that is full costs what
-//! does not fit there and no more; tables that run at the same time on one store come to their bytes each. Source: the same tables,
-//! left alone, equal to the byte; a table with a folder of measured wheels, and its page of the fleet, too. Half of the kills come at a random time, half right after a random change in the output folder or in the
-//! store. The full disk is a file system of a given size (tmpfs in a mount namespace). `cargo long interrupted_tables` does more of each.
+//! Goal: nothing is lost and nothing is wrong. The next table takes whatever is in the store after a kill,
+//! and comes to the bytes of one that was left alone. Every file in the output folder is a whole one, of this
+//! table or of the one before. A full disk loses only what does not fit there. Tables that run at the same
+//! time on one store come to their bytes each. Source: the same tables, left alone, equal to the byte; one of them has a folder
+//! of measured wheels, and a page of the fleet. Half
+//! of the kills come at a random time, half right after a random change in the output folder or in the store.
+//! The full disk is a file system of a given size (tmpfs in a mount namespace).
+//! `cargo long interrupted_tables` does more of each.
 #![cfg(unix)]
 
 use std::collections::BTreeMap;

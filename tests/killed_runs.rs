@@ -1,11 +1,12 @@
 //! Runs that are killed over an older result of another study in the same folder, and while they write to the store.
 //!
-//! Goal: whenever a run is killed, no later command uses a mixture: `verify` and `report` of either study refuse, or
-//! come to the very bytes of a clean run of that study; so does a run after it with the store that the killed one has left,
-//! and no entry of that store is damaged. The store is empty, has the results of the other study, or is replaced with
-//! `--fresh`. Half of the kills come at a random time, half right after a
-//! random change in the folder or in the store, where a result stands between two files. Cross-checks are killed in the same way over the cross-check
-//! of the other study. Three of each are killed by a short test, and a hundred runs and twenty cross-checks by a long one: `cargo long killed_runs`.
+//! Goal: whenever a run is killed, no later command uses a mixture. `verify` and `report` of either study
+//! refuse, or come to the very bytes of a clean run of that study. So does a run after it with the store that
+//! the killed one has left. No entry of that store is damaged. The store is empty, has the results of the
+//! other study, or is replaced with `--fresh`. Half of the kills come at a random time. Half come right after
+//! a random change in the folder or in the store, where a result stands between two files.
+//! Cross-checks are killed in the same way over the cross-check of the other study. Three of each are killed by
+//! default, and a hundred runs and twenty cross-checks with `cargo long killed_runs`.
 #![cfg(unix)]
 
 use std::collections::BTreeMap;

@@ -1,4 +1,4 @@
-//! What the condensed element's own steps are worth in the load cases of the default studies: `cargo long own_steps`.
+//! The error of the condensed element's own steps in the load cases of the default studies: `cargo long own_steps`.
 
 use std::path::Path;
 use std::time::Instant;
@@ -50,12 +50,14 @@ fn off([run, exact]: [&History; 2], force: fn(&HistoryRow) -> f64, until: f64) -
     [(squares / shares.len() as f64).sqrt(), shares.iter().fold(0.0, |most, share| most.max(*share))]
 }
 
-/// Source: the same run with 256 equal steps in each of the history. Goal: P and Q (RMS over their peaks, as long as the motion is determined, of element and solid) of the condensed element with the steps of a
-/// study, in every load case of the default studies, and what the verdict says that its steps are worth, as long as its own motion is. Accuracy: DISCRETISATION, 0.5 %: half of what the solid's steps are worth, so that the root of the
-/// squares of both is the solid's but for an eighth.
+/// Source: the same run with 256 equal steps in each of the history. Goal: P and Q of the condensed element
+/// with the steps of a study, in every load case of the default studies, and the error of its steps that the
+/// verdict states. P and Q are RMS over their peaks, as long as the motion is determined, of element and
+/// solid; the stated error counts as long as the element's own motion is. Accuracy: DISCRETISATION, 0.5 %:
+/// half of the solid's step error, so that the root of the squares of both is the solid's but for an eighth.
 #[test]
 #[ignore = "half a minute: cargo long own_steps"]
-fn steps_of_a_study_are_worth_half_of_the_solids() {
+fn steps_of_a_study_have_half_the_error_of_the_solids() {
     const DISCRETISATION: f64 = 0.005;
     let place = tempfile::tempdir().unwrap();
     let folder = OutputFolder::create(place.path(), &Inputs::none()).unwrap();
@@ -82,10 +84,10 @@ fn steps_of_a_study_are_worth_half_of_the_solids() {
             let case = &study.scenarios[key];
             let (history, tried) =
                 make::simulate(&SimpleRunInput::of(&study, case), &geometry, &springs, &Silent).unwrap();
-            let spread = tried.worth.spread.unwrap();
+            let spread = tried.uncertainty.spread.unwrap();
             let own = spread.determined_until_s.unwrap_or(f64::INFINITY);
             let until = own.min(of_solid);
-            let worth = tried.worth.steps.unwrap().of.change;
+            let uncertainty = tried.uncertainty.steps.unwrap().of.change;
             let run = |inner_steps| {
                 let scenario = Scenario { inner_steps, ..case.scenario.clone() };
                 let begun = Instant::now();
@@ -106,15 +108,15 @@ fn steps_of_a_study_are_worth_half_of_the_solids() {
                 1e2 * p[1],
                 1e2 * q[0],
                 1e2 * q[1],
-                1e2 * worth.p_rms,
-                1e2 * worth.q_rms,
+                1e2 * uncertainty.p_rms,
+                1e2 * uncertainty.q_rms,
                 1e3 * own.min(end),
                 1e2 * doubled[0],
                 1e2 * doubled[1],
                 timed[0].0.statistics.steps as f64 / case.scenario.steps as f64,
                 timed.iter().map(|(_, time)| *time).fold(f64::INFINITY, f64::min)
             );
-            worst = [p[0], q[0], worth.p_rms, worth.q_rms].into_iter().fold(worst, f64::max);
+            worst = [p[0], q[0], uncertainty.p_rms, uncertainty.q_rms].into_iter().fold(worst, f64::max);
         }
     }
     assert!(worst < DISCRETISATION, "{worst}");

@@ -1,8 +1,8 @@
 //! Results are used by the inputs that they were made from, and by nothing else.
 //!
-//! Goal: whatever lies in the output folder, a command uses a result of these very inputs, makes it again, or refuses
-//! with what is missing or stale and the command to run; and no verdict or report stands beside results that it was not
-//! made from. Source: a clean run of the same study, equal to the byte.
+//! Goal: whatever lies in the output folder, a command uses a result of these very inputs, makes it again, or
+//! refuses. A refusal names what is missing or stale and the command to run. No verdict or report stands
+//! beside results that it was not made from. Source: a clean run of the same study, equal to the byte.
 
 use std::path::{Path, PathBuf};
 use std::process::Output;

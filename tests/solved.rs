@@ -9,7 +9,7 @@ use railspring::results::bodies::estimate::Resources;
 use railspring::results::bodies::geometry::{self, Geometry};
 use railspring::results::by_angle::record::{BY_ANGLE, StiffnessByAngleRecord};
 use railspring::results::run::input::{SimpleRunInput, SpringsInput};
-use railspring::results::run::make::{self, Springs, Tried};
+use railspring::results::run::make::{self, RunWithErrors, Springs};
 use railspring::results::run::record::RunRecord;
 use railspring::results::run::{history_csv, springs};
 use railspring::results::springs::record::StiffnessRecord;
@@ -42,7 +42,7 @@ pub struct SolidRun {
 }
 
 impl SolidRun {
-    /// With what it is worth.
+    /// With its uncertainty.
     pub fn model(&self) -> ModelRun<'_> {
         self.record.model(&self.history, self.disturbed.as_ref())
     }
@@ -98,12 +98,12 @@ impl Solved {
         limits: &Limits,
     ) -> Result<(History, Comparison), String> {
         let run = make::simulate(&SimpleRunInput::of(study, case), &self.geometry, springs, &Silent);
-        let (history, Tried { worth, disturbed }) = run.map_err(|error| error.to_string())?;
-        let discretisation: Vec<_> = worth.discretisation.into_iter().filter_map(Result::ok).collect();
+        let (history, RunWithErrors { uncertainty, disturbed }) = run.map_err(|error| error.to_string())?;
+        let discretisation: Vec<_> = uncertainty.discretisation.into_iter().filter_map(Result::ok).collect();
         let simple = ModelRun {
             history: &history,
-            steps: worth.steps.as_ref().ok(),
-            disturbed: disturbed.as_ref().zip(worth.spread.as_ref().ok()),
+            steps: uncertainty.steps.as_ref().ok(),
+            disturbed: disturbed.as_ref().zip(uncertainty.spread.as_ref().ok()),
             discretisation: &discretisation,
         };
         let comparison = compare(&simple, &solid.model(), limits).map_err(|error| error.to_string())?;

@@ -20,6 +20,7 @@ mod estimate;
 mod edited_results;
 mod every_key;
 mod everyday;
+mod examples;
 mod exports;
 mod field_files;
 mod fleet_folders;

@@ -147,9 +147,9 @@ fn hertz_and_mindlin_stand_beside_the_solid() {
     }
 }
 
-/// Goal: a second run makes nothing and writes the same bytes, whatever the threads; after a wheel file has changed, the places of that
-/// wheel alone are made, and the comparison with the earlier table names the wheel; a left wheel is a right one under the opposite shift
-/// and is not made again.
+/// Goal: a second run makes nothing and writes the same bytes, whatever the threads. After a wheel file has
+/// changed, the places of that wheel alone are made, and the comparison with the earlier table names the
+/// wheel. A left wheel is a right one under the opposite shift and is not made again.
 #[test]
 #[ignore = "a quarter of a minute: cargo long table"]
 fn what_is_there_is_not_made_again() {
@@ -231,8 +231,9 @@ fn moved(profile: &str) -> String {
     lines.collect::<Vec<String>>().join("\n") + "\n"
 }
 
-/// Goal: a file that is no profile, and a shift at which the wheel is off the rail, are rows with their reasons, the others are complete,
-/// and the exit code says that not all is; the table of the folder has a wheel for every file.
+/// Goal: a file that is no profile, and a shift at which the wheel is off the rail, are rows with their
+/// reasons. The others are complete, and the exit code says that not all is. The table of the folder has a
+/// wheel for every file.
 #[test]
 fn a_case_that_fails_is_a_row() {
     let place = Place::new(TABLE);

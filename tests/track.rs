@@ -394,8 +394,9 @@ fn a_rail_on_sleepers_is_that_of_opensees() {
     }
 }
 
-/// Goal: a wheelset on two rails over a bridge with a flat, a dip on one side, random heights and a roll moment has columns of both wheels and the probes of all beams; the same seed gives the same bytes and another
-/// one does not. `--set` gives keys.
+/// Goal: a wheelset on two rails over a bridge has columns of both wheels and the probes of all beams. It has
+/// a flat, a dip on one side, random heights and a roll moment. The same seed gives the same bytes, and
+/// another one does not. `--set` gives keys.
 #[test]
 fn a_wheelset_on_a_bridge_has_all_columns() {
     let place = Place::new();

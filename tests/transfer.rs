@@ -23,8 +23,10 @@ const CASES: [(&str, &str, &[&str]); 12] = [
 /// The case in which the lumped element does not hold: between crown and corner its strips let the contact spread too far.
 const SPREADS: (&str, &str, &[&str]) = ("3 mm aside", "uic60-s1002", &["track.lateral_shift_mm=3"]);
 
-/// Source: the transient solid of each study. Goal: the constants of the lumped element hold wherever the calibration goes: P and Q within a limit (RMS over the solid's peak), averaged Q/P within another (RMS), up to the time
-/// to which the solid's own run is determined; but for one case, which is known. Accuracy: FORCES and RATIO, three times what it is off in 4.1; the table is printed.
+/// Source: the transient solid of each study. Goal: the constants of the lumped element hold wherever the
+/// calibration goes. P and Q are within a limit (RMS over the solid's peak), averaged Q/P within another
+/// (RMS), up to the time to which the solid's own run is determined. One case, which is known, is not.
+/// Accuracy: FORCES and RATIO, three times the differences in 4.1; the table is printed.
 #[test]
 #[ignore = "a quarter of an hour: cargo long transfer"]
 fn the_lumped_element_transfers() {

@@ -43,9 +43,11 @@ fn judged(root: &Path) -> Value {
     serde_json::from_str::<Value>(&read(root, "verification.json")).unwrap()["scenarios"][0].clone()
 }
 
-/// Goal: a study writes the bands over time, a row for each time step with ascending quantiles, kN, that hold the run itself at nearly all of them; the verdict has their widths beside the difference
-/// of the models over the same peak, and terminal and report say so. The report made again from the files is the same, and an edited file is refused. Without samples, and without
-/// bands, there is no file, and verdict and report say why.
+/// Goal: a study writes the bands over time, a row for each time step with ascending quantiles, kN, that hold
+/// the run itself at nearly all of them. The verdict has their widths beside the difference of the models
+/// over the same peak. Terminal and report print them. The report made again from the files is the same, and
+/// an edited file is refused. Without samples, and without bands, there is no file, and verdict and report
+/// give the reason.
 #[test]
 fn a_study_states_what_uncertain_inputs_change_in_time() {
     const FILE: &str = "history_uncertain.csv";

@@ -1,6 +1,6 @@
-//! Meshes that a user brings: the tool's own ones rewritten by another program give the same numbers in every format,
-//! a mesh of Gmsh comes close to the tool's own, every command takes them, and files that cannot be used are refused
-//! with the line of the study.
+//! Meshes that a user brings. The tool's own meshes, rewritten by another program, give the same numbers in
+//! every format. A mesh of Gmsh comes close to the tool's own. Every command takes them. Files that cannot be
+//! used are refused with the line of the study.
 //!
 //! Needs Python 3.11 or newer with `venv`, as `tests/reference.rs` does.
 
@@ -302,8 +302,9 @@ fn files_that_cannot_be_used_are_refused() {
     );
 }
 
-/// Source: the mesh of Gmsh, of which 399 nodes are held. Goal: decks with its nodes and its held nodes in two cards, and with a part that is moved
-/// into place, give the same mesh with the same held nodes, faces and elements, which are said; a node that is missing is refused with its line.
+/// Source: the mesh of Gmsh, of which 399 nodes are held. Goal: decks give the same mesh with the same held
+/// nodes, faces and elements, which the program prints. One has its nodes and its held nodes in two cards,
+/// another a part that is moved into place. A node that is missing is refused with its line.
 #[test]
 fn sets_of_a_deck_are_read_whole() {
     if !railspring_testing::python() {

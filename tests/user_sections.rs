@@ -184,9 +184,10 @@ fn a_users_rail_runs_to_a_report() {
     refused("section_file = \"head.csv\"", &["head.csv:", "an open outline", "mm away", "close the outline"]);
 }
 
-/// Source: 49E1 and LMA on the generic body. Goal: rail and wheel of one study from DXF drawings, and from tables of lines and arcs, run to a report that names both files,
-/// with the same load curve (mm, kN/m); a measured profile, worn by 0.5 mm throughout, is joined to the user's wheel, which
-/// touches the rail on it. Accuracy: `SMOOTHING`.
+/// Source: 49E1 and LMA on the generic body. Goal: rail and wheel of one study run to a report that names
+/// both files, with the same load curve (mm, kN/m). They are DXF drawings, and tables of lines and arcs. A
+/// measured profile, worn by 0.5 mm throughout, is joined to the user's wheel, which touches the rail on it.
+/// Accuracy: `SMOOTHING`.
 #[test]
 #[ignore = "a quarter of a minute: cargo long user_sections"]
 fn a_users_rail_and_wheel_run_to_a_report() {
@@ -253,10 +254,12 @@ fn mass(record: &Value, body: &str) -> f64 {
     meshes.iter().find(|mesh| mesh["body"] == body).unwrap()["mass_kg"].as_f64().unwrap()
 }
 
-/// Source: wheel LMA, which is lines and arcs throughout, and S1002, on the generic body of the coarse study. Goal: the same wheel from a DXF, from
-/// a table and from columns runs to the results of the standard by its name: load curve and laws (mm, kN/m), mass of the mesh (kg), elements; the report names the
-/// file; keys of the generic body are refused beside it. Accuracy: lines and arcs `SMOOTHING`; columns, whose web, hub and rim have vertices 2 mm apart as
-/// the standard's have, `SPLINES` for displacements and `A_POINT` for tangents.
+/// Source: wheel LMA, which is lines and arcs throughout, and S1002, on the generic body of the coarse study.
+/// Goal: the same wheel from a DXF, from a table and from columns runs to the results of the standard by its
+/// name. Compared are load curve and laws (mm, kN/m), mass of the mesh (kg) and elements. The report names
+/// the file. Keys of the generic body are refused beside it. Accuracy: lines and arcs `SMOOTHING`; columns,
+/// whose web, hub and rim have vertices 2 mm apart as the standard's have, `SPLINES` for displacements and
+/// `A_POINT` for tangents.
 #[test]
 #[ignore = "a quarter of a minute: cargo long user_sections"]
 fn a_wheel_from_a_file_has_the_law_of_its_standard() {

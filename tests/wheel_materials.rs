@@ -145,9 +145,11 @@ fn by_hand(young: f64, poisson: f64, inner: f64) -> f64 {
         .sum()
 }
 
-/// Source: a thin ring on springs ([`by_hand`]). Goal: hub displacement over load (m/N) of a wheel with a ring of rubber of `young` (Pa) from the radius
-/// `inner` (m) on, less that of the same wheel of steel; both have the same approach of the surfaces, and masses (kg) that differ by their rings. Accuracy:
-/// MODEL, of a ring without shear and springs without ends; `LOCAL`, as the bodies differ only in depth; FACETS of the mesh, at most 12° each.
+/// Source: a thin ring on springs ([`by_hand`]). Goal: hub displacement over load (m/N) of a wheel with a
+/// ring of rubber of `young` (Pa) from the radius `inner` (m) on, less that of the same wheel of steel. Both
+/// have the same approach of the surfaces, and masses (kg) that differ by their rings. Accuracy: MODEL, of a
+/// ring without shear and springs without ends; `LOCAL`, as the bodies differ only in depth; FACETS of the
+/// mesh, at most 12° each.
 fn in_series(inner: f64, young: f64) {
     const MODEL: f64 = 0.1;
     const LOCAL: f64 = 2e-3;
@@ -198,9 +200,11 @@ fn vertical(place: &Place, folder: &str) -> Vec<f64> {
     lines.map(|line| line.split(',').nth(column).unwrap().parse().unwrap()).collect()
 }
 
-/// Goal: a wheel with a ring of rubber, and one with brake discs of cast iron on its web, run to a report on both models that names their materials; the
-/// discs count with their mass (kg; FACETS of the mesh), and their smaller modulus gives way a little more. In time the vertical force (kN) of the
-/// condensed bodies is that of all equations of the meshes; MODES, what those that are left out carry of an impact.
+/// Goal: wheels of several materials run to a report on both models that names their materials. One has a
+/// ring of rubber, the other brake discs of cast iron on its web. The discs count with their mass (kg; FACETS
+/// of the mesh), and their smaller modulus gives way a little more. In time the vertical force (kN) of the
+/// condensed bodies is that of all equations of the meshes. Accuracy: MODES, the share of an impact of the
+/// modes that are left out.
 #[test]
 #[ignore = "a minute: cargo long wheel_materials"]
 fn wheels_of_several_materials_run_to_a_report() {

@@ -1,10 +1,11 @@
 //! Time of the steps of a calibration: `cargo bench -p railspring-calibrate`.
 //!
-//! S1002 on 60E1, contact elements of 6 mm, coarse enough for each step to take well below a second: assembly, factor and
-//! condensation of the rail, pairing of the surfaces, pressing without and with friction, between elements and on the fine grid, where
-//! a load grows from the one before it as in a calibration, tangent included. What counts is how the
-//! steps compare with each other, and with themselves before a change: a load on the fine grid is to be compared with the convolution
-//! of the same group, of which it needs some tens without friction and some hundreds with it.
+//! S1002 on 60E1, contact elements of 6 mm, coarse enough for each step to take well below a second. Steps
+//! are assembly, factor and condensation of the rail, pairing of the surfaces, and pressing without and with
+//! friction, between elements and on the fine grid. There a load grows from the one before it as in a
+//! calibration, tangent included. The steps are to be compared with each other, and with themselves before a
+//! change. A load on the fine grid is to be compared with the convolution of the same group. It needs some
+//! tens of these without friction and some hundreds with it.
 
 use std::hint::black_box;
 

@@ -386,9 +386,10 @@ fn split(wheel_on_rail: &WheelOnRail, state: &Pressed, change: &[f64]) -> [f64; 
     [rail_half + wheel_half, wheel - wheel_half, rail - rail_half]
 }
 
-/// Work on the surfaces that move past each other, for the `change` of the contact forces under a unit load and the motion of the hub (m/N)
-/// along the direction in which the wheel is pressed, m/N: of friction on the points that slide, and of normal forces where the wheel comes to face the
-/// rail elsewhere. Of what the load does, it is the part that no body stores: `δ = fᵀ·C·f - τᵀ·s`.
+/// Work on the surfaces that move past each other under a unit load, m/N. `change` is the change of the
+/// contact forces, `hub` the motion of the hub (m/N) along the direction in which the wheel is pressed.
+/// Friction does work on the points that slide, normal forces where the wheel comes to face the rail
+/// elsewhere. No body stores this part of the work of the load: `δ = fᵀ·C·f - τᵀ·s`.
 fn sliding(wheel_on_rail: &WheelOnRail, state: &Pressed, change: &[f64], hub: f64) -> f64 {
     let n = state.points.len();
     let slides = |j: &usize| wheel_on_rail.directions() > 1 && state.solution.modes[*j] == PointMode::Slip;

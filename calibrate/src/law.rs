@@ -17,7 +17,7 @@ mod table;
 mod normal;
 mod forms;
 
-pub use forms::{FormFit, OffAt, fit_forms};
+pub use forms::{FormFit, LawError, fit_forms};
 pub use normal::{Form, NormalLaw};
 pub use points::{LEAST_LOADS, Solid};
 pub use power::{REFERENCE_FORCE, StiffnessLaw};
@@ -58,7 +58,7 @@ pub struct LawFit {
 /// least squares: Brent's search over c, with a ≥ 0 and b ≥ 0 linear inside.
 ///
 /// Stiffness that falls with the force, as of a sticking flange contact, gets the best constant, with b and c on
-/// their bounds; the largest relative error says what that is worth.
+/// their bounds; the largest relative error is stated beside it.
 ///
 /// ```
 /// use railspring_calibrate::law::{fit_law, StiffnessLaw};

@@ -11,3 +11,4 @@ pub mod contact;
 pub mod calibration;
 pub mod pair;
 pub mod uncertainty;
+pub mod prelude;

@@ -24,9 +24,10 @@ pub struct StressSample {
     pub point: Point2<f64>,
     /// Its share of the area, m².
     pub area: f64,
-    /// Shear stress (xy, xz), Pa, of a unit force along y and along z through the shear centre, N, and of a unit
-    /// torque about x, N·m, carried by restrained warping, as under a load halfway between two held ends, where the
-    /// rate of twist is zero (V.Z. Vlasov, Thin-Walled Elastic Beams, 1961).
+    /// Shear stress (xy, xz), Pa, of three unit loads: a force along y and one along z through the shear
+    /// centre, N, and a torque about x, N·m. Restrained warping carries the torque, as under a load halfway
+    /// between two held ends, where the rate of twist is zero. Source: V.Z. Vlasov, Thin-Walled Elastic
+    /// Beams, 1961.
     pub stress: [Vector2<f64>; 3],
 }
 

@@ -135,9 +135,9 @@ fn patch_test_on_non_matching_meshes() {
 /// An error planted in the weights of a pairing.
 type Planted = fn(&mut [ContactPoint]);
 
-/// Source: the patch test above. Goal: it can fail. The largest weight of one point on either surface off by 1 %, or one gap by a
-/// millionth of the displacement, and the solution with it has a pressure that is not uniform: by more than a thousand
-/// times PATCH for a weight, and by more than PATCH for the gap.
+/// Source: the patch test above. Goal: it can fail. In one case the largest weight of one point on either
+/// surface is off by 1 %. In the other one gap is off by a millionth of the displacement. The pressure is
+/// then not uniform, by more than a thousand times PATCH for a weight, and by more than PATCH for the gap.
 #[test]
 fn a_wrong_weight_fails_the_patch_test() {
     /// The weight is a quarter to a half of its point's; its 1 % comes back in the pressure around it.

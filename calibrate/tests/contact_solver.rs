@@ -13,9 +13,9 @@ use railspring_profiles::error::{Error, StopReason};
 /// SOLVER: the iteration ends at 1e-10 of the largest force; a hundred times that for sums over points.
 const SOLVER: f64 = 1e-8;
 
-/// Largest violation of the conditions of contact, relative to the largest force or to its displacement: no
-/// tension, no overlap, no force across a gap, friction inside its cone, no slip inside the cone, slip against the
-/// force on the cone, and the wanted forces of the hub.
+/// Largest violation of the conditions of contact, relative to the largest force or to its displacement. The
+/// conditions are no tension, no overlap, no force across a gap and friction inside its cone. No point slips
+/// inside the cone, and on the cone slip is against the force. The hub has the wanted forces.
 fn violation(problem: &Problem, solution: &Solution) -> f64 {
     let n = problem.points.len();
     let f = &solution.forces;
@@ -159,12 +159,13 @@ fn drawn(poisson: f64, axis: Unit<Vector3<f64>>, cells: f64, steps: &[f64]) -> V
     found
 }
 
-/// Source: Cattaneo and Mindlin (K.L. Johnson, Contact Mechanics, 1985, sections 7.2 and 7.4): a sphere under the
-/// normal force P and the tangential force Q moves tangentially by δ·(1 − (1 − Q/μP)^⅔), and on the way back from Q₁ by
-/// δ₁ − 2·δ·(1 − (1 − (Q₁ − Q)/2μP)^⅔), with δ = 3μP/2 over the stiffness of sticking; the stuck circle has the radius
-/// (1 − Q/μP)^⅓ of the patch, and (1 − (Q₁ − Q)/2μP)^⅓ on the way back. Goal: loading, unloading and reversal, laterally and along
-/// the track, with ten cells to the radius. Accuracy over δ: DISCRETISATION 0.5 %, and one cell of the stick radius. The
-/// source lets all slip be along the force, which is exact for ν = 0 and holds within 0.1 % for steel.
+/// Source: Cattaneo and Mindlin (K.L. Johnson, Contact Mechanics, 1985, sections 7.2 and 7.4). A sphere under
+/// the normal force P and the tangential force Q moves tangentially by δ·(1 − (1 − Q/μP)^⅔). On the way back
+/// from Q₁ it moves by δ₁ − 2·δ·(1 − (1 − (Q₁ − Q)/2μP)^⅔), with δ = 3μP/2 over the stiffness of sticking.
+/// The stuck circle has the radius (1 − Q/μP)^⅓ of the patch, and (1 − (Q₁ − Q)/2μP)^⅓ on the way back. Goal:
+/// loading, unloading and reversal, laterally and along the track, with ten cells to the radius. Accuracy
+/// over δ: DISCRETISATION 0.5 %, and one cell of the stick radius. The source lets all slip be along the
+/// force, which is exact for ν = 0 and holds within 0.1 % for steel.
 #[test]
 fn cattaneo_and_mindlin_forwards_and_back_with_the_hub_free() {
     const DISCRETISATION: f64 = 0.005;
@@ -192,10 +193,11 @@ fn cattaneo_and_mindlin_forwards_and_back_with_the_hub_free() {
     }
 }
 
-/// Source: the laws of contact know no axes. Goal: a sphere on half-spaces, pressed along the normal and drawn across it
-/// with the hub free in both directions, answers the same when surface and forces are turned together by 40°: forces
-/// (over the largest) and hub motions (over the largest), and the tangent stiffness along these directions; along
-/// y and z the tangent is the same tensor in other axes. Accuracy: SOLVER.
+/// Source: the laws of contact do not depend on the axes. A sphere on half-spaces is pressed along the normal
+/// and drawn across it, with the hub free in both directions. Goal: it answers the same when surface and
+/// forces are turned together by 40°. Compared are forces (over the largest), hub motions (over the largest)
+/// and the tangent stiffness along these directions. Along y and z the tangent is the same tensor in other
+/// axes. Accuracy: SOLVER.
 #[test]
 fn a_load_may_have_any_direction() {
     let (radius, load, friction) = (0.3, 50e3, 0.3);
@@ -251,10 +253,11 @@ impl Numbers {
     }
 }
 
-/// Goal: 600 problems of one to twelve points on faces of any slope between -70° and 70°, with full positive definite
-/// compliances that couple all directions, friction from 0.05 to 0.6, and slips that point anywhere; a third with
-/// the hub held, a third free downwards, a third free in both directions under a force inside the friction cone of
-/// the face. Every one has its answer, which satisfies the conditions. Accuracy: SOLVER.
+/// Goal: each of 600 problems has a solution that satisfies the conditions. They have one to twelve points on
+/// faces of any slope between -70° and 70°. Their compliances are full and positive definite and couple all
+/// directions. Friction is from 0.05 to 0.6, and slips point anywhere. The hub is held in a third of them,
+/// free downwards in a third, and free in both directions in a third, under a force inside the friction cone
+/// of the face. Accuracy: SOLVER.
 #[test]
 fn hard_problems_of_few_points_end_with_their_conditions_satisfied() {
     let mut numbers = Numbers(7);

@@ -53,13 +53,15 @@ fn sizes_for_the_flange(factor: f64) -> MeshOptions {
     sizes
 }
 
-/// Source: the same pair on elements half as large. Goal: the largest band of each law, relative, holds the largest change of
-/// displacement and of tangent to the finer computation, that of the horizontal stiffness its change at every preload, and is no wider than
-/// four times of it where the mesh decides (foot and section).
-/// Accuracy: an error of order p is the change with elements twice as large over 2^p - 1, and 1 - 2^-p of it are to be seen here: the band
-/// is twice as wide as the change for p = 1 and four times for p = 2; eight times for p = 3 at the horizontal stiffness, for which the
-/// disc of the wheel bends (5.2 times were seen: its coarser elements are as long as the disc is high). MODEL: the approach alone is a difference, of the hub and of bodies
-/// integrated over loads, which changes by 0.1 % with the steps of that integral.
+/// Source: the same pair on elements half as large. Goal: the largest band of each law, relative, holds the
+/// largest change of displacement and of tangent to the finer computation. The band of the horizontal
+/// stiffness holds its change at every preload. Where the mesh decides (foot and section), the band is at
+/// most four times the change. Accuracy: an error of order p is the change with elements twice as large over
+/// 2^p - 1, of which 1 - 2^-p shows here. The band is then twice the change for p = 1, four times for p = 2
+/// and eight times for p = 3. Order 3 is that of the horizontal stiffness, for which the disc of the wheel
+/// bends. There 5.2 times were measured: the coarser elements are as long as the disc is high. MODEL: the
+/// approach alone is a difference of the motion of the hub and that of bodies, integrated over loads. It
+/// changes by 0.1 % with the steps of that integral.
 ///
 /// Bands of a mesh that is compared with itself have the part of the grid alone, and do not hold the change.
 #[test]
@@ -250,10 +252,13 @@ fn measured_head(head: &ProfileCurve, seed: u64) -> Prepared {
     prepare(&profile, &PrepareOptions::default()).unwrap()
 }
 
-/// Source: the displacements and tangents of 30 measurements of the same head, whose standard deviation is what the jackknife estimates from each of them. Goal:
-/// the root mean square of the estimates is that standard deviation, at every load, relative. Accuracy: STATISTICS, three times √(1/(2·29) + 1/(2·90)): the deviation of
-/// 30 values, and 30 estimates of three degrees of freedom. QUADRATIC: the jackknife counts the variance of what is quadratic in the scatter twice (Efron and Stein, The
-/// jackknife estimate of variance, 1981), so that an estimate is √2 too large at most; the tangent at 10 kN, where two regions touch, is by 1.55 here.
+/// Source: the displacements and tangents of 30 measurements of the same head. The jackknife estimates their
+/// standard deviation from each of them. Goal: the root mean square of the estimates is that standard
+/// deviation, at every load, relative. Accuracy: STATISTICS, three times √(1/(2·29) + 1/(2·90)): the
+/// deviation of 30 values, and 30 estimates of three degrees of freedom. QUADRATIC: the jackknife counts the
+/// variance of quadratic terms in the scatter twice (Efron and Stein, The jackknife estimate of variance,
+/// 1981). An estimate is then √2 too large at most. Here the tangent at 10 kN, where two regions touch, is
+/// too large by 1.55.
 #[test]
 #[ignore = "a quarter of a minute: cargo long error_band"]
 fn the_scatter_of_measurements_is_in_the_band() {

@@ -132,14 +132,17 @@ impl HalfSpaceTable {
     }
 }
 
-/// Source: CONTACT 25.2 (Vollebregt and Kalker), S1002 on UIC60 at 1:40, rolling radius 460 mm, frictionless half-spaces of
-/// G = 82 GPa and ν = 0.28, cells of 0.1 mm. Goal: approach (m), tangent (N/m), area (m²) and largest pressure (Pa) of the `local` law
-/// from 20 kN on, where one region carries: away from the flange, up to 60 kN towards it (from 80 kN on a second region at the gauge corner carries as
-/// well), and centred, where the pressure is not compared as it peaks within a cell at jumps of curvature.
+/// Source: CONTACT 25.2 (Vollebregt and Kalker), S1002 on UIC60 at 1:40, rolling radius 460 mm, frictionless
+/// half-spaces of G = 82 GPa and ν = 0.28, cells of 0.1 mm. Goal: approach (m), tangent (N/m), area (m²) and
+/// largest pressure (Pa) of the `local` law from 20 kN on, where one region carries. The wheel is away from
+/// the flange, towards it and centred. Towards it loads end at 60 kN, as from 80 kN on a second region at the
+/// gauge corner carries as well. Centred, the pressure is not compared: it peaks within a cell at jumps of
+/// curvature.
 ///
-/// Accuracy, of the model and grid: approach 1 % (the program's own 0.2 %, the grid's 0.1 %, the interpolated far field 0.5 %);
-/// tangent 2 % (a line of points more or less at the rim is 1 %); area 3 % (the grid's 0.5 %, and the rest where head and rim
-/// bend under 80 kN and more: the largest pressure is then lower by as much as the area is larger); largest pressure 5 %.
+/// Accuracy, of the reference's model and grid. Approach: 1 % (the program's own 0.2 %, the grid's 0.1 %, the
+/// interpolated far field 0.5 %). Tangent: 2 % (a line of points more or less at the rim is 1 %). Area: 3 %.
+/// The grid has 0.5 % of it, the rest is where head and rim bend under 80 kN and more. There the largest
+/// pressure is lower by as much as the area is larger. Largest pressure: 5 %.
 #[test]
 fn the_local_law_is_that_of_a_half_space_program() {
     const LIMITS: [f64; 4] = [0.01, 0.02, 0.03, 0.05];
@@ -186,11 +189,12 @@ pub(super) fn stiff_bodies() -> &'static Bodies {
     BODIES.get_or_init(|| rigid_below(20e-3))
 }
 
-/// Source: CONTACT 25.2 as above, 3 mm towards the flange, where a second region at the gauge corner carries from 80 kN on.
-/// Goal: what differs there, and at 5 mm, is that rim and head roll and shift load between the regions: with both bodies rigid from
-/// 20 mm below their surfaces on, the tangent of the `local` law is that of the program, whose bodies are half-spaces on rigid ones; at
-/// 5 mm the bodies that roll have a tangent that is smaller than that of rigid ones by a tenth or more. Accuracy: tangent 2 %,
-/// as where one region carries.
+/// Source: CONTACT 25.2 as above, 3 mm towards the flange, where a second region at the gauge corner carries
+/// from 80 kN on. Goal: the difference there, and at 5 mm, comes from rim and head, which roll and shift load
+/// between the regions. With both bodies rigid from 20 mm below their surfaces on, the tangent of the `local`
+/// law is that of the program. Its bodies are half-spaces on rigid ones. At 5 mm the tangent of bodies that
+/// roll is smaller than that of rigid ones by a tenth or more. Accuracy: tangent 2 %, as where one region
+/// carries.
 #[test]
 fn where_two_regions_carry_rim_and_head_roll() {
     const TANGENT: f64 = 0.02;
@@ -222,11 +226,11 @@ fn roughness(points: &[LoadPoint], from: f64) -> f64 {
     tangents.windows(3).map(|t| (t[0] - 2.0 * t[1] + t[2]).abs()).fold(0.0, f64::max)
 }
 
-/// Goal: the tangents under 60 loads from 1 to 150 kN, each 9 % above the one before, are free of the staircase of the contact
-/// nodes, whose second differences of the logarithm reach 0.2 to 0.4; and each is the slope of the displacements beside it. Accuracy:
-/// DISCRETISATION, a line of points at the rim of a patch of sixteen is 3 % of the tangent where it comes at once, and a
-/// secant over two loads lies within 2.5 %. Centred, a second region closes at 4 kN, which is no staircase; the second difference is
-/// 0.06 there.
+/// Goal: the tangents under 60 loads from 1 to 150 kN, each 9 % above the one before, are free of the
+/// staircase of the contact nodes, whose second differences of the logarithm reach 0.2 to 0.4. Each is the
+/// slope of the displacements beside it. Accuracy: DISCRETISATION. A line of points at the rim of a patch of
+/// sixteen is 3 % of the tangent where it comes at once. A secant over two loads lies within 2.5 %. Centred,
+/// a second region closes at 4 kN, which is no staircase. The second difference is 0.06 there.
 #[test]
 fn the_tangents_change_smoothly_with_the_load() {
     const DISCRETISATION: f64 = 0.04;
@@ -250,10 +254,11 @@ fn the_tangents_change_smoothly_with_the_load() {
     }
 }
 
-/// Goal: a load has the same contact from whatever load before, from none at all too, where a second region closes at 4 kN and on the gauge
-/// corner: displacement (m), tangent (N/m) and semi-axes (m); and away from the points that carry it no nodes of the meshes
-/// overlap. Without friction, which would be another history. Accuracy: MODEL, a far field is made where the wheel stands under one load,
-/// and serves those that follow: 1e-5 in the middle, 4e-4 on the corner.
+/// Goal: a load has the same contact from any load before and from none, where a second region closes at 4 kN
+/// and on the gauge corner. Compared are displacement (m), tangent (N/m) and semi-axes (m). No nodes of the
+/// meshes overlap away from the points that carry the load. There is no friction, which would have another
+/// history. Accuracy: MODEL. A far field is made where the wheel stands under one load, and serves those that
+/// follow: 1e-5 in the middle, 4e-4 on the corner.
 #[test]
 fn a_load_has_one_contact_whatever_was_before() {
     const MODEL: [f64; 4] = [1e-3, 1e-3, 1e-4, 1e-4];
@@ -311,10 +316,11 @@ fn a_load_has_one_contact_whatever_was_before() {
     }
 }
 
-/// Goal: with friction the states satisfy the laws of contact on the fine grid: the wanted load to 1e-8, forces inside the
-/// cone, no force across a gap; the nodal forces that the bodies get have the same resultant; the parts of the compliance are
-/// positive and sum to the whole but for the work of sliding; and the numbers are the same for one thread and for four. Centred and on
-/// the gauge corner. Units SI. Accuracy: SOLVER; MODEL of the mean normal of a node's hat, which on a corner of 13 mm radius is (2 mm/13 mm)²/12 =
+/// Goal: with friction the states satisfy the laws of contact on the fine grid: the wanted load to 1e-8,
+/// forces inside the cone, no force across a gap. The nodal forces that the bodies get have the same
+/// resultant. The parts of the compliance are positive and sum to the whole but for the work of sliding. The
+/// numbers are the same for one thread and for four. Centred and on the gauge corner. Units SI. Accuracy:
+/// SOLVER; MODEL of the mean normal of a node's hat, which on a corner of 13 mm radius is (2 mm/13 mm)²/12 =
 /// 0.2 % short, twice, and of what slides at the rim of the patch, 2 % of the compliance.
 #[test]
 fn states_with_friction_satisfy_the_laws_of_contact() {

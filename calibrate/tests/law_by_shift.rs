@@ -55,11 +55,12 @@ fn law(entry: &ShiftLaw) -> &AngleLaw {
     entry.law.as_ref().unwrap_or_else(|reason| panic!("tape circle at {} m: {reason}", entry.tape_y))
 }
 
-/// Goal: where the wheel of the calibration stands, pressed down, the laws by angle are those of a calibration with the loads and the
-/// fixed loads within their range, one of which is both; these have its values; without the rail on its foot the others are the same, and
-/// that against the foot is refused; what lies beyond the range is left out; and a place has the
-/// same law alone and among others. Source: `CondensedPair::press` on the same bodies. Units N, m. Accuracy: to the bit; the parts of the
-/// compliance make up the tangent to ROUNDOFF.
+/// Source: `CondensedPair::press` on the same bodies. Goal: where the wheel of the calibration stands,
+/// pressed down, the laws by angle are those of a calibration with the loads and the fixed loads within their
+/// range. One fixed load is a load as well. Fixed loads have the values of the calibration. Without the rail
+/// on its foot the other laws are the same, and the law against the foot is refused. Loads beyond the range
+/// are left out. A place has the same law alone and among others. Units N, m. Accuracy: to the bit; the parts
+/// of the compliance make up the tangent to ROUNDOFF.
 #[test]
 fn the_place_of_the_calibration_has_its_laws() {
     const ROUNDOFF: f64 = 1e-9;
@@ -176,8 +177,9 @@ fn the_flange_has_its_law_whatever_the_friction() {
     }
 }
 
-/// Goal: a wheel that misses the rail, a contact that reaches the end of the window and one in two places are entries
-/// with their reasons, beside laws that are what they would be without them; a law ends before the load that is not carried.
+/// Goal: places without a law are entries with their reasons: a wheel that misses the rail, a contact that
+/// reaches the end of the window, and one in two places. The laws beside them are as without them. A law ends
+/// before the load that is not carried.
 #[test]
 fn what_has_no_law_says_why() {
     let (pair, bodies) = condensed(6e-3);
@@ -202,10 +204,13 @@ fn what_has_no_law_says_why() {
     assert!(reason.step.is_some() && reason.stage.contains("kN"), "{reason}");
 }
 
-/// Goal: S1002 in the middle touches 60E1 in two places of the tread that are nearly parallel, 11 mm apart, and has its law all the
-/// same; at 5.5 mm, tread and gauge corner share the load with normals 11 degrees apart, and from there on the law is that of the pair: the normal forces of both,
-/// with friction across them, carry the load along the first touch, and the tangent is still the slope of the displacement. Units N, m, rad. Accuracy: SHARE, the friction of 0.3 at most that acts along
-/// the load where a normal is 11 degrees off it; SLOPE, the chord between two loads beside the mean of their tangents, over a factor of 1.15 of the load.
+/// Goal: a pair with two contacts has a law. In the middle S1002 touches 60E1 in two places of the tread that
+/// are nearly parallel, 11 mm apart. At 5.5 mm tread and gauge corner share the load, with normals 11 degrees
+/// apart. From there on the law is that of both contacts. The normal forces of both, with friction across
+/// them, carry the load along the first touch. The tangent is still the slope of the displacement. Units N,
+/// m, rad. Accuracy: SHARE, the friction of 0.3 at most that acts along the load where a normal is 11 degrees
+/// off it. SLOPE, the chord between two loads beside the mean of their tangents, over a factor of 1.15 of the
+/// load.
 #[test]
 fn a_law_goes_on_where_a_second_contact_begins() {
     const SHARE: f64 = 0.06;

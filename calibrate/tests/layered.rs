@@ -168,10 +168,12 @@ fn layers_turn_as_their_series() {
     }
 }
 
-/// Source: an elastic ring in plane strain between rigid circles of radii a and b, Kolosov's potentials with φ = A ln z + B z²: a circle moves by δ under
-/// 2π(1+κ)·G·δ/(κ ln(b/a) - (b² - a²)/(κ(a² + b²))) per length, κ = 3 - 4ν; with κ = 1 it is that of J.E. Adkins and A.N. Gent (1954) for rubber. Goal:
-/// what Poisson's ratios elements of a layer of rubber, 30 mm on a radius of 330 mm, bear: stiffness over the exact one by the number of elements
-/// through the layer. Accuracy: within 0.3 % of the numbers that `docs/meshes.md` has, beside which the limits of the study stand.
+/// Source: an elastic ring in plane strain between rigid circles of radii a and b, Kolosov's potentials with
+/// φ = A ln z + B z²: a circle moves by δ under 2π(1+κ)·G·δ/(κ ln(b/a) - (b² - a²)/(κ(a² + b²))) per length,
+/// κ = 3 - 4ν. With κ = 1 it is that of J.E. Adkins and A.N. Gent (1954) for rubber. Goal: the Poisson's
+/// ratios for which elements of a layer of rubber serve, 30 mm on a radius of 330 mm. Printed is stiffness
+/// over the exact one by the number of elements through the layer. Accuracy: within 0.3 % of the numbers that
+/// `docs/meshes.md` has, beside which the limits of the study stand.
 #[test]
 fn nearly_incompressible_layers_lock_by_known_amounts() {
     const READING: f64 = 3e-3;

@@ -56,11 +56,11 @@ fn a_body_is_the_same_after_its_file() {
     assert_eq!(tangents(&bodies), before);
 }
 
-/// Goal: on the fine grid all three laws of a pair come from contact elements of 6 mm: the parts of the compliance that the
-/// wheel and the contact have (m/N) do not depend on what holds the rail, and the rail's is smaller against its section than
-/// against its foot. Accuracy: ROUNDOFF for what is the same state; MODEL, the patch follows the roll of a rail that is held
-/// elsewhere, 2 %; MODEL_OF_FRICTION, a rail that yields sideways takes lateral force off a wheel that is held sideways, 10 % of
-/// the wheel's part.
+/// Goal: on the fine grid all three laws of a pair come from contact elements of 6 mm. The parts of the
+/// compliance that the wheel and the contact have (m/N) do not depend on what holds the rail. The rail's part
+/// is smaller against its section than against its foot. Accuracy: ROUNDOFF for the same state. MODEL: the
+/// patch follows the roll of a rail that is held elsewhere, 2 %. MODEL_OF_FRICTION: a rail that yields
+/// sideways takes lateral force off a wheel that is held sideways, 10 % of the wheel's part.
 #[test]
 fn the_fine_grid_serves_all_references() {
     const MODEL: f64 = 0.02;
@@ -147,9 +147,10 @@ fn a_body_knows_what_made_it() {
     assert_ne!(on_foot[0], &here.rail_on_ends.key);
 }
 
-/// Goal: a body of another pair is refused by every way to press or move it, with its file, what it is of, how far it is off and what this pair wants: another wheel
-/// profile, another diameter, another inclination, and another rail with the same head, whose shear centre lies elsewhere. A lateral shift of the wheel changes
-/// no body; the same bodies pass then.
+/// Goal: a body of another pair is refused by every way to press or move it. The error names its file, what
+/// it is of, how far it is off and what this pair wants. Bodies are those of another wheel profile, another
+/// diameter, another inclination, and another rail with the same head, whose shear centre lies elsewhere. A
+/// lateral shift of the wheel changes no body: the same bodies pass then.
 #[test]
 fn bodies_of_another_pair_are_refused() {
     let track = TrackGeometry::standard();

@@ -29,12 +29,14 @@ fn patches(shift: f64, loads: &[f64], field: ContactField) -> Vec<(PatchValues, 
     patches.into_iter().map(|patch| (patch.values, patch.band.unwrap())).collect()
 }
 
-/// Source: CONTACT 25.2 (Vollebregt and Kalker), S1002 on UIC60 at 1:40, rolling radius 460 mm, frictionless half-spaces of G = 82 GPa and ν = 0.28,
-/// cells of 0.1 to 0.2 mm. Goal: largest pressure (Pa) and area (m²) where a patch lies over jumps of curvature (0 mm), where a second region begins (3 mm), and where
-/// a narrow one carries most of the pressure (5 mm), from 20 kN on: below, at 5 mm, the approach itself is 3.5 % off, as the touch of
-/// the second region is a matter of tenths of a micrometre. Accuracy: MODEL, bodies of 20 mm on a rigid ground share a load otherwise than half-spaces, 0.7 % of the approach and 1.2 %
-/// of the pressure; DISCRETISATION, 0.5 % with the last halving's 2 %. The program's area is 0.3 to 0.9 % above Hertz' (`hertz_check.csv`, 240 to 60 cells to
-/// an axis), so that ours is 1.4 % smaller to nothing larger.
+/// Source: CONTACT 25.2 (Vollebregt and Kalker), S1002 on UIC60 at 1:40, rolling radius 460 mm, frictionless
+/// half-spaces of G = 82 GPa and ν = 0.28, cells of 0.1 to 0.2 mm. Goal: largest pressure (Pa) and area (m²)
+/// where a patch lies over jumps of curvature (0 mm), where a second region begins (3 mm), and where a narrow
+/// one carries most of the pressure (5 mm). Loads begin at 20 kN. Below, at 5 mm, the approach itself is 3.5
+/// % off, as tenths of a micrometre decide whether the second region touches. Accuracy: MODEL, bodies of 20
+/// mm on a rigid ground share a load otherwise than half-spaces, 0.7 % of the approach and 1.2 % of the
+/// pressure. DISCRETISATION, 0.5 % with the last halving's 2 %. The program's area is 0.3 to 0.9 % above
+/// Hertz' (`hertz_check.csv`, 240 to 60 cells to an axis), so that ours is 0 to 1.4 % smaller.
 #[test]
 fn largest_pressure_and_area_are_those_of_a_half_space_program() {
     const PRESSURE: f64 = 0.02;
@@ -59,9 +61,10 @@ fn largest_pressure_and_area_are_those_of_a_half_space_program() {
     }
 }
 
-/// Goal: on a grid of half the spacing, which has other cells everywhere, every value of the patch is within the band that it has on the usual
-/// one, where one region carries, where a patch lies over jumps of curvature and where two regions carry. Accuracy: DISCRETISATION beside the band, what the grid of the load changes of the
-/// forces of the regions, 0.3 % of a value and three times that of a depth.
+/// Goal: on a grid of half the spacing, which has other cells everywhere, every value of the patch is within
+/// the band that it has on the usual one. In one place one region carries, in another a patch lies over jumps
+/// of curvature, in the third two regions carry. Accuracy: DISCRETISATION beside the band. The grid of the
+/// load changes the forces of the regions, 0.3 % of a value and three times that of a depth.
 #[test]
 fn the_bands_hold_what_finer_grids_change() {
     const DISCRETISATION: f64 = 0.003;

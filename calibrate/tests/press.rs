@@ -126,9 +126,10 @@ impl HalfSpaceTable {
     }
 }
 
-/// Source: CONTACT 25.2 (Vollebregt and Kalker), S1002 on UIC60 at 1:40, rolling radius 460 mm, half-spaces of G = 82 GPa
-/// and ν = 0.28, cells of 0.1 mm, from 60 to 150 kN, centred and 3 mm away from the flange, where one region carries the
-/// load, and 3 mm towards it. Tangent (N/m), area (m²), largest pressure (Pa).
+/// Source: CONTACT 25.2 (Vollebregt and Kalker), S1002 on UIC60 at 1:40, rolling radius 460 mm, half-spaces
+/// of G = 82 GPa and ν = 0.28, cells of 0.1 mm. Loads are from 60 to 150 kN. The wheel is centred and 3 mm
+/// away from the flange, where one region carries the load, and 3 mm towards it. Goal: tangent (N/m), area
+/// (m²), largest pressure (Pa).
 ///
 /// DISCRETISATION of contact points 2 by 1.5 mm apart. Tangent: what one point of thirty carries is 3 % of the slope at most,
 /// with the program's own 0.2 % and the mesh's 2 % (against elements of half the size) 5 %. Area: points count whole, and

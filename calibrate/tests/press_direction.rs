@@ -112,11 +112,12 @@ fn normal(angle: f64) -> Unit<Vector2<f64>> {
 
 const LOADS: [f64; 5] = [5e3, 10e3, 20e3, 40e3, 80e3];
 
-/// Source: equilibrium without friction. A wheel whose hub is held across the direction in which it is pressed meets it with the
-/// normal force over the cosine of the angle between both, so pressed down by P with its hub held laterally, on a slope of the angle
-/// α, it is as stiff as cos²α times what it is along the normal under P/cos α, and moves by δ/cos α. Goal: both, at 10 and 18 degrees; the
-/// resultant of the contact is normal. Units N, m. Accuracy: SOLVER; DISCRETISATION, the contact slides by some hundredths of a millimetre
-/// through elements of 2 mm, which is 0.7 % of the tangent at 5 kN, where few nodes carry, and 0.25 % of the displacement.
+/// Source: equilibrium without friction. A wheel is pressed with its hub held across the direction of
+/// pressing. Its normal force is that force over the cosine of the angle between both. Pressed down by P on a
+/// slope of the angle α, it is as stiff as cos²α times its stiffness along the normal under P/cos α. It moves
+/// by δ/cos α. Goal: both, at 10 and 18 degrees; the resultant of the contact is normal. Units N, m.
+/// Accuracy: SOLVER. DISCRETISATION: the contact slides by some hundredths of a millimetre through elements
+/// of 2 mm. That is 0.7 % of the tangent at 5 kN, where few nodes carry, and 0.25 % of the displacement.
 #[test]
 fn a_slope_is_as_stiff_as_the_square_of_its_cosine() {
     const DISCRETISATION: [f64; 2] = [0.004, 0.01];

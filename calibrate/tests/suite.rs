@@ -4,6 +4,7 @@ mod conical;
 mod contact;
 mod contact_solver;
 mod error_band;
+mod examples;
 mod half_spaces;
 mod hybrid;
 mod layered;

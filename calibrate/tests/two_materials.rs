@@ -42,10 +42,12 @@ fn local(materials: [Material; 2], loads: &[f64]) -> ([f64; 2], Vec<LoadPoint>) 
     (pair.relative_radii(), pressed.fit(Reference::Local).unwrap().points)
 }
 
-/// Source: Hertz with `1/E* = (1-ν₁²)/E₁ + (1-ν₂²)/E₂`. Goal: approach (m) and tangent (N/m) of the `local` law of a steel wheel on a rail a thousand times as stiff,
-/// and of one of cast iron on a steel rail, where a cone stands on the crown of 300 mm: curvatures are constant over the patch. Accuracy as in
-/// `hybrid::a_crowned_wheel_on_an_irregular_mesh_is_hertz`: DISCRETISATION of the fine grid and of the field of the meshes, 1 % of the approach, 2 % of the tangent.
-/// The modulus of two steel bodies in the place of that of a hard rail would be off by 37 %.
+/// Source: Hertz with `1/E* = (1-ν₁²)/E₁ + (1-ν₂²)/E₂`. Goal: approach (m) and tangent (N/m) of the `local`
+/// law of a steel wheel on a rail a thousand times as stiff, and of a wheel of cast iron on a steel rail. A
+/// cone stands on the crown of 300 mm, so that curvatures are constant over the patch. Accuracy as in
+/// `hybrid::a_crowned_wheel_on_an_irregular_mesh_is_hertz`: DISCRETISATION of the fine grid and of the field
+/// of the meshes, 1 % of the approach, 2 % of the tangent. The modulus of two steel bodies in the place of
+/// that of a hard rail would be off by 37 %.
 #[test]
 fn the_local_law_has_the_contact_modulus_of_both_materials() {
     const DISCRETISATION: [f64; 2] = [0.01, 0.02];

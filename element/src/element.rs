@@ -1,4 +1,4 @@
-//! What a contact element is: profiles, strips, wheel and head of a pair, with what is known of its worth.
+//! What a contact element is: profiles, strips, wheel and head of a pair, with its errors.
 
 use crate::head::{Head, HeadAt};
 use crate::law::StripStiffness;
@@ -15,7 +15,7 @@ pub const OTHER_RAIL: f64 = -1.0;
 /// The contact element of a wheel on a rail. It never changes; instances share it ([`crate::contact::StaticContact`], [`crate::unit::Unit`]).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Element {
-    /// What it is of, and what it is worth.
+    /// What it is of, and its errors.
     pub about: About,
     /// The rail in the track.
     pub rail: PlacedRail,
@@ -41,7 +41,7 @@ pub struct Element {
     pub rail_at_wheel: Option<RailModes>,
 }
 
-/// What an element is of, and what it is worth.
+/// What an element is of, and its errors.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct About {

@@ -56,7 +56,7 @@ pub struct Step<'a> {
     pub friction: f64,
     /// Force on the wheel beside that of the contacts, at the end.
     pub beside: Vector3<f64>,
-    /// What a force may be off at its end, N.
+    /// Largest error of a force at its end, N.
     pub tolerance: f64,
     /// World positions of the reference points of wheel and rail at rest, m.
     pub references: [Vector2<f64>; 2],
@@ -85,8 +85,8 @@ impl Step<'_> {
         next.contacts.copy_from(&start.contacts);
         let (mut last, mut length, mut longest) = (f64::INFINITY, 1.0_f64, 1.0_f64);
         for looks in 0..=ITERATIONS {
-            let off = self.off(next);
-            let size = off.size();
+            let residual = self.residual(next);
+            let size = residual.size();
             if !size.is_finite() {
                 return Err(failure(looks, size, &next.contacts, StopReason::NotFinite));
             }
@@ -105,10 +105,10 @@ impl Step<'_> {
             }
             last = size;
             let before = next.pose;
-            if !self.correct(&mut next.pose, &next.contacts, &off, 1.0) {
+            if !self.correct(&mut next.pose, &next.contacts, &residual, 1.0) {
                 return Err(failure(looks, size, &next.contacts, StopReason::Singular));
             }
-            let moved = next.pose.wheel - before.wheel - off.to_wheel * (next.pose.rail - before.rail);
+            let moved = next.pose.wheel - before.wheel - residual.to_wheel * (next.pose.rail - before.rail);
             let looked = (looks > 0).then(|| self.way(start, &before));
             if next.contacts.hold(&moved, looked, self.friction, self.tolerance) {
                 next.contacts.move_by(&moved);
@@ -120,7 +120,7 @@ impl Step<'_> {
             }
             if length < 1.0 {
                 next.pose = before;
-                self.correct(&mut next.pose, &next.contacts, &off, length);
+                self.correct(&mut next.pose, &next.contacts, &residual, length);
             }
             next.contacts.look(strips, self.law, &next.pose, self.friction);
         }
@@ -133,11 +133,11 @@ impl Step<'_> {
         size(&(pose.wheel - start.pose.wheel - to_wheel * (pose.rail - start.pose.rail)))
     }
 
-    /// What the sections are off from where the forces of the contacts have them.
-    fn off(&self, at: &Meeting) -> Off {
+    /// The distance of the sections from where the forces of the contacts have them.
+    fn residual(&self, at: &Meeting) -> Residual {
         let (pose, force) = (&at.pose, &at.force());
         let to_wheel = transport(&arm(&self.references, pose));
-        Off {
+        Residual {
             wheel: pose.wheel - self.wheel.free - self.wheel.flexibility * force,
             rail: pose.rail - self.rail.free + self.rail.flexibility * to_wheel.tr_mul(force),
             to_wheel,
@@ -145,11 +145,11 @@ impl Step<'_> {
     }
 
     /// Takes a Newton step, or a share `length` of it, with the stiffness of `contacts`; whether there is one.
-    fn correct(&self, pose: &mut Pose, contacts: &Contacts, off: &Off, length: f64) -> bool {
-        let (wheel, rail, to_wheel) = (&self.wheel.flexibility, &self.rail.flexibility, &off.to_wheel);
+    fn correct(&self, pose: &mut Pose, contacts: &Contacts, residual: &Residual, length: f64) -> bool {
+        let (wheel, rail, to_wheel) = (&self.wheel.flexibility, &self.rail.flexibility, &residual.to_wheel);
         if contacts.list.is_empty() {
-            pose.wheel -= off.wheel * length;
-            pose.rail -= off.rail * length;
+            pose.wheel -= residual.wheel * length;
+            pose.rail -= residual.rail * length;
             return true;
         }
         let both = wheel + to_wheel * rail * to_wheel.transpose();
@@ -157,22 +157,22 @@ impl Step<'_> {
         let Some(inverse) = system.try_inverse() else {
             return false;
         };
-        let force = contacts.all.stiffness * (inverse * (to_wheel * off.rail - off.wheel));
-        pose.wheel -= (off.wheel + wheel * force) * length;
-        pose.rail -= (off.rail - rail * to_wheel.tr_mul(&force)) * length;
+        let force = contacts.all.stiffness * (inverse * (to_wheel * residual.rail - residual.wheel));
+        pose.wheel -= (residual.wheel + wheel * force) * length;
+        pose.rail -= (residual.rail - rail * to_wheel.tr_mul(&force)) * length;
         true
     }
 }
 
-/// What both sections are off.
-struct Off {
+/// The residual of both sections.
+struct Residual {
     wheel: Vector3<f64>,
     rail: Vector3<f64>,
     /// From motions of the rail's section to those of the wheel's reference point.
     to_wheel: Matrix3<f64>,
 }
 
-impl Off {
+impl Residual {
     /// The largest, m; not a number where one of them is none.
     fn size(&self) -> f64 {
         let [wheel, rail] = [&self.wheel, &self.rail].map(size);

@@ -1,4 +1,4 @@
-//! Roots inside a bracket: by Newton steps where the slope is known, by secants where the function is dear and almost
+//! Roots inside a bracket: by Newton steps where the slope is known, by secants where the function is expensive and almost
 //! linear, by halving where only its sign is known.
 
 /// Root of `f` in `[lo, hi]` by Newton steps, each replaced by a bisection when it leaves the bracket.

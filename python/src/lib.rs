@@ -142,7 +142,7 @@ impl TableLaw {
     }
 }
 
-/// A law with what it is worth as a fit.
+/// A law with the errors of its fit.
 #[pyclass(frozen, get_all, module = "railspring")]
 struct LawFit {
     law: Law,

@@ -1,8 +1,10 @@
 //! Time of one moving step: `cargo bench -p railspring-simulate`.
 //!
-//! S1002 on 60E1, the published element with the published law and a condensed one of round numbers: the published load case 4.1, a bridge of 25 m that the wheel crosses at
-//! 300 km/h, and a loaded wheel that rolls on a rigid rail and on rails of 20 to 10,000 elements of a decimetre. What the beam costs is the ratio to the rigid rail. A batch of load cases runs on
-//! one thread and on more. A wheelset rolls on two rails on sleepers, by a law without profiles.
+//! S1002 on 60E1, with the published element and its law, and with a condensed element of round numbers. Load
+//! cases are the published 4.1, a bridge of 25 m that the wheel crosses at 300 km/h, and a loaded wheel that
+//! rolls on a rigid rail and on rails of 20 to 10,000 elements of a decimetre. The cost of the beam is the
+//! ratio to the rigid rail. A batch of load cases runs on one thread and on more. A wheelset rolls on two
+//! rails on sleepers, by a law without profiles.
 
 use criterion::{
     BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main, measurement::WallTime,

@@ -1,29 +1,33 @@
-//! Runs a wheel on a rail of beams with the published law under a vertical and a lateral force:
+//! A wheel on a rail in time, with the contact element that is condensed from its solids:
 //! `cargo run --release -p railspring-simulate --example load_case`.
 
-use railspring_calibrate::law::StiffnessLaw;
-use railspring_calibrate::pair::Pair;
-use railspring_calibrate::solid::Material;
 use railspring_profiles::error::Result;
-use railspring_profiles::monitor::Silent;
-use railspring_profiles::placement::TrackGeometry;
-use railspring_profiles::section::{rail_section, wheel_section};
-use railspring_simulate::element::published::{MovingModel, WheelSprings};
-use railspring_simulate::time::scenario::{HarmonicForce, Scenario};
+use railspring_simulate::prelude::*;
+use railspring_simulate::time::history::History;
 
-fn main() -> Result<()> {
+/// A wheel under a vertical force with a sine and a constant lateral force, for 0.1 s.
+pub fn history(options: &FitOptions) -> Result<History> {
     let pair = Pair::new(rail_section("60E1")?, wheel_section("S1002", 0.858)?, &TrackGeometry::standard())?;
-    let steel = Material { damping: 2.0 * 0.02 / (std::f64::consts::TAU * 1000.0), ..Material::STEEL };
-    let beam = pair.beam(&steel, 0.555, 20)?; // 0.555 m of rail in 20 elements
-    let springs =
-        WheelSprings { horizontal: 80e6, normal: StiffnessLaw::published().into(), longitudinal: 80e6 };
-    let model = MovingModel::of_pair(&pair, beam, [&steel; 2], springs, 283.0); // mass of the wheel, kg
+    let at = ElementFit {
+        shifts: &[-3e-3, 0.0, 3e-3, 5e-3, 7e-3],
+        loads: &[10e3, 20e3, 40e3, 60e3, 90e3],
+        rail_elements: 20,
+    };
+    let model = CondensedModel::fit(&pair, &at, options, &Silent)?;
     let scenario = Scenario {
         vertical_force: HarmonicForce { amplitude: 30e3, frequency: 10.0, ..HarmonicForce::constant(60e3) },
-        lateral_force: HarmonicForce::constant(20e3),
-        ..Scenario::new(200, 5e-4, 0.5)
+        lateral_force: HarmonicForce::constant(10e3),
+        inner_steps: CondensedModel::STEPS,
+        ..Scenario::new(200, 5e-4, options.contact.friction)
     };
-    let history = model.run(&scenario, &Silent)?.history;
+    Ok(model.run(&scenario, &Silent)?.history)
+}
+
+fn main() -> Result<()> {
+    // 2 % of damping at 1 kHz
+    let damping = 2.0 * 0.02 / (std::f64::consts::TAU * 1000.0);
+    let material = Material { damping, ..Material::STEEL };
+    let history = history(&FitOptions { material, ..FitOptions::default() })?;
     println!("{} unknowns, {}", history.degrees_of_freedom, history.ending);
     println!("time, s   P, kN   Q, kN   y, mm");
     for row in history.rows.iter().step_by(20) {

@@ -6,3 +6,4 @@ pub mod solid;
 pub mod element;
 pub mod track;
 pub mod cases;
+pub mod prelude;

@@ -53,10 +53,11 @@ impl TransientModel<'_> {
     /// Runs `scenario` from just touching and at rest.
     ///
     /// # Errors
-    /// [`InputError`] for a scenario only the moving solver can run, for penalty springs on a fine grid, and for reduced bodies
-    /// without modes; [`railspring_profiles::error::NumericsError`] with the step if the contact does not settle, and with
-    /// [`railspring_profiles::error::StopReason::TooFewModes`] if all modes that the bodies have are not enough. A contact that reaches the end of
-    /// the meshed contact zone, and one that begins beyond it, ends the history ([`crate::time::history::Ending::EndOfSurface`]).
+    /// [`InputError`] for a scenario only the moving solver can run, for penalty springs on a fine grid, and
+    /// for reduced bodies without modes. [`railspring_profiles::error::NumericsError`] with the step if the
+    /// contact does not converge, and with [`railspring_profiles::error::StopReason::TooFewModes`] if all
+    /// modes of the bodies are not enough. A contact that reaches the end of the meshed contact zone, and one
+    /// that begins beyond it, ends the history ([`crate::time::history::Ending::EndOfSurface`]).
     pub fn run(&self, scenario: &Scenario, monitor: &dyn Monitor) -> Result<TransientRun> {
         self.run_with(scenario, None, monitor)
     }
@@ -88,8 +89,8 @@ impl TransientModel<'_> {
         reduction::first_of(scenario)
     }
 
-    /// A load case with so many `modes` of each reduced body, and with nothing beside: what it changes by on other meshes or another grid says
-    /// what these are worth.
+    /// A load case with so many `modes` of each reduced body, and with nothing beside: what it changes by on other meshes or another grid is
+    /// the error of these.
     ///
     /// # Errors
     /// As [`TransientModel::run`], and [`InputError`] for bodies at full order.

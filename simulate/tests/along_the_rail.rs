@@ -91,10 +91,12 @@ fn off(found: &History, solid: &History) -> [f64; 2] {
     [of(|row| row.vertical_force), of(|row| row.lateral_force)]
 }
 
-/// Source: the transient solids with the contact zone 60 mm from a held end. Goal: P and Q of load case 4.2 over 60 ms (RMS over the solids' peaks) of the condensed element that stands there, and that rolls
-/// past that place at 0.5 m/s, as in the publication's case with motion; in 60 ms it comes 30 mm far. Accuracy: MODEL, twice the 2.8 % of P and 1.2 % of Q by which it is off in the middle of the rail, on the same bodies:
-/// near an end the beam has less of the motion, and what moves at once more. A wheel in the middle of the
-/// rail is 20 and 5 % off the solids there.
+/// Source: the transient solids with the contact zone 60 mm from a held end. Goal: P and Q of load case 4.2
+/// over 60 ms (RMS over the solids' peaks) of the condensed element that stands there, and of one that rolls
+/// past that place. It rolls at 0.5 m/s, as in the publication's case with motion, and moves by 30 mm in 60
+/// ms. Accuracy: MODEL, twice the 2.8 % of P and 1.2 % of Q by which it is off in the middle of the rail, on
+/// the same bodies: near an end the beam has less of the motion, and what moves at once more. A wheel in the
+/// middle of the rail is 20 and 5 % off the solids there.
 #[test]
 #[ignore = "a quarter of a minute: cargo long along_the_rail"]
 fn a_wheel_near_a_held_end_follows_the_solids_there() {

@@ -81,10 +81,13 @@ fn of_solids(track: &Track, pair: &Pair, x: f64) -> Matrix2<f64> {
     sticking_flexibility(&placed, &states[0]).unwrap().flexibility
 }
 
-/// Source: both solids with the wheel at a place of the rail, whose ends are held, under 50 kN, all points sticking. Goal: flexibility of the hub (m/N) with the condensed element, lateral and vertical over the
-/// solids' and their coupling over the root of both, with the wheel centred and 6 mm aside, in the middle of 0.555 m of rail and 200, 120 and 60 mm from its end. Accuracy: MODEL, 2 %, that of the statics between the
-/// places and loads of the laws (docs/condensed-element.md). With the head as in the middle everywhere it is up to 8 and 21 % off. The lumped element's springs do not couple vertical forces with the others, a hundredth of the
-/// vertical flexibility near an end: LUMPED, 3 %.
+/// Source: both solids with the wheel at a place of the rail, whose ends are held, under 50 kN, all points
+/// sticking. Goal: flexibility of the hub (m/N) with the condensed element, lateral and vertical over the
+/// solids' and their coupling over the root of both. The wheel is centred and 6 mm aside, in the middle of
+/// 0.555 m of rail and 200, 120 and 60 mm from its end. Accuracy: MODEL, 2 %, that of the statics between the
+/// places and loads of the laws (docs/condensed-element.md). With the head as in the middle everywhere it is
+/// up to 8 and 21 % off. The lumped element's springs do not couple vertical forces with the others, a
+/// hundredth of the vertical flexibility near an end: LUMPED, 3 %.
 #[test]
 #[ignore = "a quarter of a minute: cargo long held_ends"]
 fn the_hub_stands_as_on_the_solids_wherever_the_wheel_is() {

@@ -59,9 +59,11 @@ fn off(found: &History, exact: &History) -> [f64; 2] {
     })
 }
 
-/// Source: solids whose contact zone is 80 mm from an end of a rail of 0.4 m. Goal: P and Q (N, RMS over their peaks) of a wheel that is pressed on there, from the solids of the middle with the path of their rail: with friction standing
-/// there, and without it rolling over the place at 0.1 m/s, 0.6 mm in the time (with friction a wheel that stands is held by the rail's bending as well, and one that rolls is not); in the middle of the rail it is another
-/// motion. Accuracy: MODEL, 1 %, the meshes of both rails.
+/// Source: solids whose contact zone is 80 mm from an end of a rail of 0.4 m. Goal: P and Q (N, RMS over
+/// their peaks) of a wheel that is pressed on there, from the solids of the middle with the path of their
+/// rail. With friction the wheel stands there. Without friction it rolls over the place at 0.1 m/s, 0.6 mm in
+/// the time: with friction the rail's bending also holds a wheel that stands, but none that rolls. In the
+/// middle of the rail the motion is another one. Accuracy: MODEL, 1 %, the meshes of both rails.
 #[test]
 fn a_wheel_along_the_rail_is_one_on_the_solids_there() {
     const MODEL: f64 = 0.01;

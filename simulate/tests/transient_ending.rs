@@ -112,8 +112,9 @@ fn inner_steps_are_steps() {
     }
 }
 
-/// Source: free fall to the side, y = Q·t²/(2m). Goal: pulled into the track by 500 kN the wheel leaves the rail when the end of its tread,
-/// 60 mm from the tape circle at 750 mm, has passed the gauge face at 717.5 mm or what lies below it: 92.5 mm at most, 85 mm at least.
+/// Source: free fall to the side, y = Q·t²/(2m). Goal: the wheel is pulled into the track by 500 kN. It
+/// leaves the rail when the end of its tread, 60 mm from the tape circle at 750 mm, has passed the gauge face
+/// at 717.5 mm or the rail below it. That is after 92.5 mm at most, 85 mm at least.
 #[test]
 fn a_wheel_pulled_into_the_track_leaves_the_solid_rail() {
     const MODEL: f64 = 0.02;
@@ -126,10 +127,11 @@ fn a_wheel_pulled_into_the_track_leaves_the_solid_rail() {
     assert!((runs[0].rows.last().unwrap().time - (time - step)).abs() < 1e-12);
 }
 
-/// Source: the same run with fewer steps. Goal: a wheel that is pressed down by 50 kN and pulled into the track by 200 kN goes on with its contact
-/// to the field side of its tread, to the end of the meshed contact zone there: the history ends before that, with time (s) and place (m)
-/// on the rail, instead of an error, and has the states of the shorter run to the bit. Accuracy: DISCRETISATION, the place within an element of
-/// the last contact, and that within two of the end of the zone.
+/// Source: the same run with fewer steps. Goal: a wheel is pressed down by 50 kN and pulled into the track by
+/// 200 kN. Its contact goes to the field side of its tread, to the end of the meshed contact zone there. The
+/// history ends before that, with time (s) and place (m) on the rail, instead of an error. It has the states
+/// of the shorter run to the bit. Accuracy: DISCRETISATION, the place within an element of the last contact,
+/// and that within two of the end of the zone.
 #[test]
 fn a_contact_at_the_end_of_the_zone_ends_the_history() {
     const DISCRETISATION: f64 = 6e-3;

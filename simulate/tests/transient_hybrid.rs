@@ -94,10 +94,11 @@ fn difference(a: &History, b: &History) -> [f64; 2] {
     [over(|row| row.vertical_force), over(|row| row.lateral_force)]
 }
 
-/// Goal: P and Q (N) of a bouncing wheel over ten steps with the mesh refined from 6 to 3 mm: on the fine grid they stay what
-/// they are, between elements, of which one to three nodes carry the load at first, they approach those of the fine grid. So
-/// the difference of both is the staircase of the nodes. Accuracy: DISCRETISATION of the bodies, 1 % of the
-/// largest P and 2 % of the largest Q; the staircase falls to less than half of it, as the nodes under a patch are four times as many.
+/// Goal: P and Q (N) of a bouncing wheel over ten steps with the mesh refined from 6 to 3 mm. On the fine
+/// grid they do not change. Between elements, of which one to three nodes carry the load at first, they
+/// approach those of the fine grid. So the difference of both is the staircase of the nodes. Accuracy:
+/// DISCRETISATION of the bodies, 1 % of the largest P and 2 % of the largest Q; the staircase falls to less
+/// than half of it, as the nodes under a patch are four times as many.
 #[test]
 #[ignore = "a quarter of a minute: cargo long transient_hybrid"]
 fn elements_approach_the_fine_grid() {
@@ -120,10 +121,10 @@ fn elements_approach_the_fine_grid() {
     }
 }
 
-/// Source: the model at full order. Goal: P and Q (N) of reduced bodies with the modes that the estimate chooses stay within 0.3 % of their
-/// peaks over 60 ms of a bouncing wheel; with an eighth of the modes P does not, the estimate finds
-/// that, and it is no smaller than half of the true difference there. Bodies that have no more than these are refused in words, unless
-/// their number is given.
+/// Source: the model at full order. Goal: P and Q (N) of reduced bodies with the modes that the estimate
+/// chooses stay within 0.3 % of their peaks over 60 ms of a bouncing wheel. With an eighth of the modes P
+/// does not. The estimate finds that, and is no smaller than half of the true difference there. Bodies with
+/// no more modes than these are refused with the reason, unless their number is given.
 #[test]
 fn reduced_bodies_follow_full_order() {
     const TOLERANCE: f64 = 3e-3;
@@ -238,11 +239,13 @@ fn rms(a: &History, b: &History) -> [f64; 2] {
     })
 }
 
-/// Goal: the first 35 ms of load case 4.1, two-point contact, flange, flight and the next impact, with adapted steps: P and Q (N) are those of equal
-/// steps of 1/64 ms, RMS over their peaks; one step in each time step misses one of them by twice the accuracy. A change of the amplitude in the 13th digit changes nothing that a
-/// thousandth of the tolerance shows; one thread gives the bytes of two. At full order, where every length would be a factor, adapted steps
-/// are refused. Accuracy: MODEL, the phase error of average acceleration, (ωh)²/12 a radian with (ωh)² the tolerance, over the half
-/// periods that two impacts last, of the flange and of the wheel that comes down again.
+/// Goal: the first 35 ms of load case 4.1, two-point contact, flange, flight and the next impact, with
+/// adapted steps: P and Q (N) are those of equal steps of 1/64 ms, RMS over their peaks. One step in each
+/// time step misses one of them by twice the accuracy. A change of the amplitude in the 13th digit changes
+/// less than a thousandth of the tolerance. One thread gives the bytes of two. At full order, where every
+/// length would be a factor, adapted steps are refused. Accuracy: MODEL, the phase error of average
+/// acceleration, (ωh)²/12 a radian with (ωh)² the tolerance. It counts over the half periods that two impacts
+/// last, of the flange and of the wheel that comes down again.
 #[test]
 #[ignore = "a minute: cargo long adapted_steps"]
 fn adapted_steps_follow_short_ones() {

@@ -70,7 +70,7 @@ impl ElementFiles {
         };
         let Some(stiffness) = &found.stiffness else { return Ok((Vec::new(), Value::Null)) };
         let element = element(study, stiffness, laws, kind)?;
-        let mut said = vec![said(&element)];
+        let mut said = vec![summary(&element)];
         let write = |option: &str, path: &Path, bytes: &[u8]| {
             let (folder, name) = OutputFolder::of_file(option, path, inputs)?;
             folder.write(&name, bytes)
@@ -93,7 +93,7 @@ impl ElementFiles {
 }
 
 /// The element in a line.
-fn said(element: &Element) -> String {
+fn summary(element: &Element) -> String {
     let about = &element.about;
     let hub = about
         .hub_max_rel_error

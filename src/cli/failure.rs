@@ -17,7 +17,7 @@ pub enum Failure {
 
 impl Failure {
     /// What is said about it, and the exit code.
-    pub fn said(&self) -> (Vec<String>, u8) {
+    pub fn messages(&self) -> (Vec<String>, u8) {
         match self {
             Self::Study(mistakes) => (mistakes.messages(), 2),
             Self::Located(error) => (vec![error.to_string()], 2),

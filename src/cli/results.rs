@@ -65,7 +65,7 @@ struct Springs {
     reference: String,
     #[serde(flatten)]
     law: LawRecord,
-    /// What the published form is worth, and which form holds best.
+    /// Errors of the published form, and which form holds best.
     #[serde(skip_serializing_if = "Option::is_none")]
     forms: Option<String>,
     horizontal_kn_per_m: Option<f64>,
@@ -75,14 +75,14 @@ struct Springs {
     /// What was assumed of measured profiles.
     #[serde(skip_serializing_if = "Option::is_none")]
     assumed: Option<AssumedRecord>,
-    /// What the springs are worth with inputs that are not known exactly.
+    /// Uncertainty of the springs by inputs that are not known exactly.
     #[serde(skip_serializing_if = "Option::is_none")]
     input_uncertainty: Option<InputUncertaintyRecord>,
     /// Why loads of the study are left out, or why the horizontal stiffness or the error band is missing.
     missing: Vec<String>,
 }
 
-/// What springs are worth: half the widths of their bands, relative.
+/// Uncertainty of springs: half the widths of their bands, relative.
 #[derive(Debug, Serialize)]
 struct Band {
     displacement: Option<f64>,
@@ -106,7 +106,7 @@ struct Verdict {
     limits: usize,
     /// How many hold by themselves.
     hold: usize,
-    /// How many hold by what the solid model is worth alone.
+    /// How many hold by the uncertainty of the solid model alone.
     hold_by_solid: usize,
     /// How many fail.
     fail: usize,
@@ -410,14 +410,14 @@ fn heading(name: &str, text: String) -> Line {
 /// A line of the verdict that fails, in words.
 fn failure(subject: &str, line: &verify::Line) -> String {
     let (value, limit) = (with_unit(line.value, &line.unit), with_unit(Some(line.limit), &line.unit));
-    let worth = [("solid", line.solid_worth), ("simple", line.simple_worth)];
-    let worth = worth.into_iter().filter_map(|(model, worth)| {
-        Some(format!(", the {model} model itself {}", with_unit(Some(worth?), &line.unit)))
+    let uncertainty = [("solid", line.solid_uncertainty), ("simple", line.simple_uncertainty)];
+    let uncertainty = uncertainty.into_iter().filter_map(|(model, uncertainty)| {
+        Some(format!(", uncertainty of the {model} model {}", with_unit(Some(uncertainty?), &line.unit)))
     });
-    let worth: String = worth.collect();
+    let uncertainty: String = uncertainty.collect();
     let over = line.over().map_or_else(String::new, |over| format!("; {over}"));
     let note = line.note.as_ref().map_or_else(String::new, |note| format!("; {note}"));
-    format!("{subject}: {} {value} (limit {limit}{worth}){over}{note}", line.meaning)
+    format!("{subject}: {} {value} (limit {limit}{uncertainty}){over}{note}", line.meaning)
 }
 
 impl Crosscheck {

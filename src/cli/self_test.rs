@@ -33,7 +33,7 @@ pub(super) fn run(args: &SelfTestArgs) -> Result<bool, Error> {
                 check.found,
                 check.source,
                 check.expected,
-                check.off(),
+                check.relative_error(),
                 check.tolerance
             ))?;
         }

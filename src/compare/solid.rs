@@ -10,7 +10,7 @@ const LOADS: usize = 8;
 /// Loads that differ by less, relative, are the same.
 const SAME: f64 = 1e-9;
 
-/// Displacement and tangent of the solid over the load, with what they are worth.
+/// Displacement and tangent of the solid over the load, with their error bands.
 pub(super) struct Solid<'a> {
     points: &'a [TangentRecord],
     band: &'a [BandPointRecord],

@@ -1,4 +1,4 @@
-//! Two values of the same quantity, and whether they differ beyond what they are worth.
+//! Two values of the same quantity, and whether they differ beyond their error bands.
 
 use serde::Serialize;
 

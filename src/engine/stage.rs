@@ -45,7 +45,7 @@ pub trait Stage {
     }
 
     /// What was made of it beside other stages.
-    fn begun(&self) -> Option<Result<Made>> {
+    fn background(&self) -> Option<Result<StageOutput>> {
         None
     }
 
@@ -53,7 +53,7 @@ pub trait Stage {
     ///
     /// # Errors
     /// Those of the computation, and an interruption.
-    fn make(&mut self, engine: &mut Engine<'_>) -> Result<Made>;
+    fn make(&mut self, engine: &mut Engine<'_>) -> Result<StageOutput>;
 
     /// What the artefact of an address with this key holds; the same whether it was taken or made.
     ///
@@ -79,7 +79,7 @@ pub trait Stage {
 }
 
 /// What a stage has made.
-pub struct Made {
+pub struct StageOutput {
     /// Its parts.
     pub artefact: Artefact,
     /// Whether it is the whole result, which follows from its inputs alone.
@@ -90,7 +90,7 @@ pub struct Made {
     pub elsewhere: Option<Stopwatch>,
 }
 
-impl Made {
+impl StageOutput {
     /// A complete result.
     pub fn whole(artefact: Artefact) -> Self {
         Self { artefact, complete: true, failure: None, elsewhere: None }
@@ -141,15 +141,15 @@ impl<'a> Engine<'a> {
         self.watch = Some(Stopwatch::start());
         let address = stage.address(self)?;
         let key = address.key();
-        let begun = stage.begun().transpose()?;
-        let takes = stage.is_kept() && !self.fresh && begun.is_none();
+        let background = stage.background().transpose()?;
+        let takes = stage.is_kept() && !self.fresh && background.is_none();
         let taken = if takes { self.take(stage, &address) } else { None };
         let is_taken = taken.is_some();
         let (artefact, value, failure) = match taken {
             Some((artefact, value)) => (artefact, value, None),
             None => {
-                let made = begun.map_or_else(|| stage.make(self), Ok)?;
-                let Made { artefact, complete, failure, elsewhere } = made;
+                let made = background.map_or_else(|| stage.make(self), Ok)?;
+                let StageOutput { artefact, complete, failure, elsewhere } = made;
                 if stage.is_kept() && complete && elsewhere.is_none() {
                     self.keep(&address, &stage.name(), &artefact);
                 }

@@ -38,7 +38,7 @@ pub fn element(
             "leave shifts_mm out, or give places with one contact each",
         )
     };
-    let (pair, worth, hub) = match kind {
+    let (pair, strips_error, hub) = match kind {
         ContactElementKey::Published => {
             let remedy =
                 "take condensed or lumped; the published one is in stiffness.json, for `railspring export`";
@@ -73,7 +73,7 @@ pub fn element(
             ("stiffness_by_angle.json".into(), laws.input_hash.clone()),
         ]),
         largest_force_n: loads.map(|law| law.law.range_kn[1] * KILONEWTON).fold(0.0, f64::max),
-        strips_max_rel_error: worth,
+        strips_max_rel_error: strips_error,
         hub_max_rel_error: hub,
     };
     model.alone(about, case.map_or(DRY, |case| case.friction), place, HIGHEST)

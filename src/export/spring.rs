@@ -35,7 +35,7 @@ pub(super) struct Spring {
     /// Smallest and largest load of the fit, N.
     pub range: [f64; 2],
     /// Largest relative deviations of the law from the solid model at a load, tangent and displacement, in words; and from which load on both are small.
-    pub worth: [String; 2],
+    pub fit_errors: [String; 2],
     /// Error bands of the solid model, relative: of the displacement and of the tangent.
     pub band: Option<[f64; 2]>,
     /// What else a heading says, a line each.
@@ -82,7 +82,7 @@ impl Spring {
             reference: wanted.into(),
             law: NormalLaw::try_from(&of_form.law)?,
             range: range(file, &found.law, "calibrate")?,
-            worth: worth(of_form),
+            fit_errors: fit_errors(of_form),
             band: band.and_then(|band| Some([band.displacement?, band.tangent?])),
             remarks: record.shortened(),
             points: found.points.clone(),
@@ -103,7 +103,7 @@ impl Spring {
         if common.is_empty() { self.range.to_vec() } else { common }
     }
 
-    /// What every file says first: where it is from, the law and its worth; then what is the file's own.
+    /// What every file says first: where it is from, the law and its errors; then what is the file's own.
     pub fn heading(&self, what: &str, own: &[String]) -> Vec<String> {
         // as the file has them, without what the way through newtons adds in the last digit
         let [low, high] = self.range.map(|load| (load / KILONEWTON * 1e9).round() / 1e9);
@@ -125,7 +125,7 @@ impl Spring {
                 "; force and displacement along the contact normal, the hub held across it"
             }
         };
-        let [largest, from] = &self.worth;
+        let [largest, from] = &self.fit_errors;
         let mut lines = vec![
             format!("{what}, by railspring {}", env!("CARGO_PKG_VERSION")),
             self.made.clone(),
@@ -182,8 +182,8 @@ fn formula(law: &NormalLaw) -> String {
     }
 }
 
-/// What a law is worth: its largest errors, and from which load on they are small.
-pub(super) fn worth(of: &FormRecord) -> [String; 2] {
+/// The errors of a law: the largest, and from which load on they are small.
+pub(super) fn fit_errors(of: &FormRecord) -> [String; 2] {
     /// What is small: the smallest limits that a law keeps somewhere are named.
     const NAMED: usize = 2;
     let kept = of.within.iter().filter_map(|within| {
@@ -198,7 +198,7 @@ pub(super) fn worth(of: &FormRecord) -> [String; 2] {
         }
         false => format!("tangent and displacement both within {}", kept.join(", ")),
     };
-    [of.worth(), from]
+    [of.largest_errors(), from]
 }
 
 /// The error for a form that a law of `file` does not have.

@@ -9,7 +9,7 @@ use railspring_profiles::error::{InputError, Result};
 use railspring_profiles::units::MILLIMETRE;
 
 use super::format::{Format, LawForm, files};
-use super::spring::{ExportFile, Spring, no_form, no_reference, range, worth};
+use super::spring::{ExportFile, Spring, fit_errors, no_form, no_reference, range};
 use crate::engine::columns::{Cell, csv_of_texts};
 use crate::results::by_angle::record::FixedLoadRecord;
 use crate::results::by_angle::record::ShiftRecord;
@@ -224,7 +224,7 @@ impl ExportRow<'_> {
             direction: table.table.direction,
             law: NormalLaw::try_from(&of_form.law)?,
             range: range(&place_of, &found.law, "table")?,
-            worth: worth(of_form),
+            fit_errors: fit_errors(of_form),
             band: band.and_then(|band| Some([band.displacement?, band.tangent?])),
             remarks: self.remarks(),
             points: points(at, &wanted),

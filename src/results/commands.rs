@@ -35,13 +35,13 @@ use crate::results::page::input::PageInput;
 use crate::results::page::stage::{Report, crosscheck_alone, write_report};
 use crate::results::run::input::{SimpleRunInput, SpringsInput, UncertainInput};
 use crate::results::run::record::{RunRecord, SpringsRecord, SpringsSource};
-use crate::results::run::solid_stage::{Begun, SimulateSolid, SolidRuns};
+use crate::results::run::solid_stage::{BackgroundRuns, SimulateSolid, SolidRuns};
 use crate::results::run::springs;
 use crate::results::run::stage::{Other, Run, Runs, Simulate, other_elements};
 use crate::results::run::uncertain_stage::{Uncertain, uncertain_run};
 use crate::results::springs::make::{self, Calibration};
 use crate::results::springs::record::StiffnessRecord;
-use crate::results::springs::stage::{Calibrate, FoundOn, calibrates, found_springs};
+use crate::results::springs::stage::{Calibrate, CalibratedPair, calibrates, found_springs};
 use crate::results::springs::{error_band, fields};
 use crate::results::stored::Stored;
 use crate::results::study_run::StudyRun;
@@ -85,23 +85,24 @@ impl<'a> StudyRun<'a> {
         springs::check_reference(&SpringsInput::of(self.study))?;
         self.engine.measured.stages.clear();
         self.check_calibration()?;
-        let begun = Begun::new(!self.engine.fresh, self.engine.monitor);
+        let background = BackgroundRuns::new(!self.engine.fresh, self.engine.monitor);
         // all that is done is done by the threads of the pool
         let done = rayon::scope(|scope| {
             let begin = |runs: SolidRuns<'a>| {
-                let (store, begun) = (runs.store(), &begun);
-                scope.spawn(move |_| runs.all(store, begun));
+                let (store, background) = (runs.store(), &background);
+                scope.spawn(move |_| runs.all(store, background));
             };
             let done = self.without_solids(&begin);
             if done.is_err() {
-                begun.stop();
+                background.stop();
             }
             done
         });
         let (calibration, by_angle, simple) = done?;
         let mut runs = Vec::new();
         for ((name, scenario), (simple, others, uncertain)) in self.study.scenarios.iter().zip(simple) {
-            let solid = scenario.solid.then(|| self.solid_run(name, scenario, Some(&begun))).transpose()?;
+            let solid =
+                scenario.solid.then(|| self.solid_run(name, scenario, Some(&background))).transpose()?;
             runs.push((name.clone(), Runs { simple, others, uncertain, solid }));
         }
         let verdict = self.engine.get(&mut Verify {
@@ -145,8 +146,11 @@ impl<'a> StudyRun<'a> {
         let mut simple = Vec::new();
         // without load cases the law need not suit the simple model
         if !self.study.scenarios.is_empty() {
-            let springs =
-                springs::own(&SpringsInput::of(self.study), &calibration.stiffness, by_angle.as_ref())?;
+            let springs = springs::springs_of_study(
+                &SpringsInput::of(self.study),
+                &calibration.stiffness,
+                by_angle.as_ref(),
+            )?;
             for (name, scenario) in &self.study.scenarios {
                 let run = self.simple_run(name, scenario, &springs)?;
                 let others = self.other_elements(name, scenario, &springs, by_angle.as_ref())?;
@@ -185,12 +189,12 @@ impl<'a> StudyRun<'a> {
         Ok((Found { stiffness: Some(stiffness), ..Found::default() }, laws))
     }
 
-    /// The calibration; says what its law is worth, and which loads it does not have.
-    fn calibration(&mut self, found: Option<FoundOn>) -> Result<Calibration> {
+    /// The calibration; says the error band of its law, and which loads it does not have.
+    fn calibration(&mut self, found: Option<CalibratedPair>) -> Result<Calibration> {
         let has_horizontal = self.study.simulation.horizontal.is_some();
         let calibration =
             self.engine.get(&mut Calibrate { solids: &mut self.solids, has_horizontal, found })?;
-        for line in calibration.stiffness.shortened().into_iter().chain(calibration.stiffness.worth()) {
+        for line in calibration.stiffness.shortened().into_iter().chain(calibration.stiffness.law_errors()) {
             self.engine.monitor.notice(&line);
         }
         Ok(calibration)
@@ -356,8 +360,13 @@ impl<'a> StudyRun<'a> {
         uncertain_run(&mut self.engine, &mut self.solids, input, name, nominal)
     }
 
-    fn solid_run(&mut self, name: &str, scenario: &StudyScenario, begun: Option<&Begun<'a>>) -> Result<Run> {
-        self.engine.get(&mut SimulateSolid { solids: &mut self.solids, begun, name, scenario })
+    fn solid_run(
+        &mut self,
+        name: &str,
+        scenario: &StudyScenario,
+        background: Option<&BackgroundRuns<'a>>,
+    ) -> Result<Run> {
+        self.engine.get(&mut SimulateSolid { solids: &mut self.solids, background, name, scenario })
     }
 
     fn write_report(

@@ -89,7 +89,7 @@ pub const RESULT_FILES: [ResultFile; 31] = [
     file("history_uncertain*.csv", "run, simulate, verify", "what uncertain inputs change in a load case on the simple model, a row for each time step: quantiles of P, Q and averaged Q/P over the samples")
         .with(uncertain_record::row_schema),
     file("solid_history*.csv", "run, verify", "load cases on the solid model, and disturbed"),
-    file(VERIFICATION, "run, fit, verify", "the verdict: differences of the two models with their limits, and what each model is worth itself")
+    file(VERIFICATION, "run, fit, verify", "the verdict: differences of the two models with their limits, and the numerical uncertainty of each model")
         .with(of::<VerificationRecord>),
     file("figures/*.svg", "run, fit, report", "the figures of the report"),
     file("contact.vtu", "run, fit, calibrate", "gap, pressure and traction of the contact under the largest load"),

@@ -4,7 +4,7 @@ use railspring_profiles::error::Result;
 
 use crate::engine::list::NewFile;
 use crate::engine::output::to_json;
-use crate::engine::stage::{Engine, Made, Stage};
+use crate::engine::stage::{Engine, Stage, StageOutput};
 use crate::engine::store::{Address, Artefact, Kind};
 use crate::self_test::{Check, checks};
 
@@ -25,8 +25,8 @@ impl Stage for SelfTest {
         Ok(Address::of(Kind::SelfTest, &engine.measured.machine.processor))
     }
 
-    fn make(&mut self, engine: &mut Engine<'_>) -> Result<Made> {
-        Ok(Made::whole(Artefact::default().with(CHECKS, to_json(&checks(engine.monitor)?))))
+    fn make(&mut self, engine: &mut Engine<'_>) -> Result<StageOutput> {
+        Ok(StageOutput::whole(Artefact::default().with(CHECKS, to_json(&checks(engine.monitor)?))))
     }
 
     fn value(&mut self, artefact: &Artefact, _: &str) -> Result<Vec<Check>> {

@@ -63,7 +63,7 @@ impl StudyRun<'_> {
 
     fn springs_of(&mut self, stiffness: &StiffnessRecord) -> Result<SpringsAndLaws> {
         let laws = self.stored_by_angle()?;
-        Ok((springs::own(&SpringsInput::of(self.study), stiffness, laws.as_ref())?, laws))
+        Ok((springs::springs_of_study(&SpringsInput::of(self.study), stiffness, laws.as_ref())?, laws))
     }
 
     /// The folder's laws by contact angle, if the study wants them.

@@ -12,7 +12,7 @@ use toml::de::{DeTable, DeValue};
 /// Keys that studies had before, and what is there instead.
 const REMOVED: [(&str, &str); 1] = [(
     "verification.ratio_floor",
-    "Q/P is compared where what P and Q are worth leaves it off by `verification.ratio_max` at most",
+    "Q/P is compared where the uncertainty of P and Q moves it by `verification.ratio_max` at most",
 )];
 
 /// One thing that is wrong in a study file.
@@ -38,12 +38,12 @@ pub fn check(document: &DeTable<'_>, schema: &Value, whole: &str) -> Vec<Finding
 
 /// The document without the keys that begin at the bytes `wrong`.
 pub fn without<'i>(document: Spanned<DeTable<'i>>, wrong: &BTreeSet<usize>) -> Spanned<DeTable<'i>> {
-    fn sound<'i>(table: DeTable<'i>, wrong: &BTreeSet<usize>) -> DeTable<'i> {
+    fn strip_invalid<'i>(table: DeTable<'i>, wrong: &BTreeSet<usize>) -> DeTable<'i> {
         let kept = table.into_iter().filter(|(key, _)| !wrong.contains(&key.span().start));
         kept.map(|(key, value)| {
             let span = value.span();
             let value = match value.into_inner() {
-                DeValue::Table(inner) => DeValue::Table(sound(inner, wrong)),
+                DeValue::Table(inner) => DeValue::Table(strip_invalid(inner, wrong)),
                 other => other,
             };
             (key, Spanned::new(span, value))
@@ -54,7 +54,7 @@ pub fn without<'i>(document: Spanned<DeTable<'i>>, wrong: &BTreeSet<usize>) -> S
         return document;
     }
     let span = document.span();
-    Spanned::new(span, sound(document.into_inner(), wrong))
+    Spanned::new(span, strip_invalid(document.into_inner(), wrong))
 }
 
 /// A schema, and what messages call the document that it describes.

@@ -295,8 +295,8 @@ pub struct CalibrationKeys {
     /// Whether the laws against the rail's held foot are made beside the others, as for a comparison with laws that were published so. It takes
     /// another body and as many loads again; with the reference `foot` they are made anyway.
     pub foot_held: bool,
-    /// Whether the calibration and the laws by contact angle say what they are worth: their change with half the spacing of the contact's
-    /// grid and with coarser meshes. For the calibration it takes about as long as the laws.
+    /// Whether the calibration and the laws by contact angle get error bands: their change with half the spacing of the
+    /// contact's grid and with coarser meshes. For the calibration it takes about as long as the laws.
     pub error_band: bool,
     /// Vertical preloads at which the horizontal stiffness is measured, kN, ascending.
     #[schemars(inner(range(min = 0.1, max = 1000.0)), length(min = 1), extend("x-field" = InputField::HorizontalPreloads.name()))]

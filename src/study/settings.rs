@@ -182,8 +182,9 @@ mod tests {
         Study::parse_with(Path::new("x.toml"), STUDY, &settings)
     }
 
-    /// Goal: a study with settings is the study with these keys in its file, and counts them as given; texts need no quotes, even where TOML reads
-    /// them as numbers; the last one of a key counts; a key can be taken out, and a whole section be given.
+    /// Goal: a study with settings is the study with these keys in its file, and counts them as given. Texts
+    /// need no quotes, even where TOML reads them as numbers. The last one of a key counts. A key can be
+    /// taken out, and a whole section be given.
     #[test]
     fn settings_are_keys() {
         let text = STUDY.replace("60E1", "54E1")

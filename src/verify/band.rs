@@ -25,7 +25,7 @@ pub struct Band {
 }
 
 impl Band {
-    /// The band of a run, its averages as the limits have them; none where nothing is known of what it is worth.
+    /// The band of a run, its averages as the limits have them; none where nothing is known of its uncertainty.
     pub fn around(run: &ModelRun<'_>, limits: &Limits) -> Option<Self> {
         if run.steps.is_none() && run.disturbed.is_none() {
             return None;
@@ -85,9 +85,10 @@ mod tests {
         History { rows: (0..count).map(row).collect(), degrees_of_freedom: 1, ending: Ending::Completed }
     }
 
-    /// Goal: half widths of P, Q (N) and averaged Q/P over 21 ms. Steps that change P by 2 kN everywhere are 2 kN at all times, those after the 11 ms that
-    /// were compared too; an input that changes it by 1.5 kN from 10 ms on adds as the root of the squares, 2.5 kN, and ends the band with its run at 15 ms. Q/P
-    /// does not change. Accuracy: ROUNDOFF.
+    /// Goal: half widths of P, Q (N) and averaged Q/P over 21 ms. Steps that change P by 2 kN everywhere are
+    /// 2 kN at all times, also after the 11 ms that were compared. An input that changes it by 1.5 kN from 10
+    /// ms on adds as the root of the squares, 2.5 kN. It ends the band with its run at 15 ms. Q/P does not
+    /// change. Accuracy: ROUNDOFF.
     #[test]
     fn steps_and_input_add_as_squares_where_they_are_known() {
         let history = run(21, |_| 0.0);

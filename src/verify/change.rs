@@ -16,11 +16,12 @@ const SMALLEST_PEAK: f64 = 0.05;
 /// Errors of averaged forces over their RMS changes: what 95 of 100 of them stay within.
 pub(super) const COVERAGE: f64 = 2.0;
 
-/// A change of the averaged Q/P is taken where both runs know it so well: what a run is worth does not depend on what a study asks of it.
+/// A change of the averaged Q/P is taken where both runs know it so well: the uncertainty of a run does not depend on what a study asks of it.
 const KNOWN: f64 = 0.5;
 
-/// Change of a run. Forces are over their largest in the whole run, or over a twentieth of the other one's if that is more; Q/P is averaged over the published window, where the averaged P of both
-/// carries it with twice the RMS changes of averaged P and Q as errors ([`Carrying`]).
+/// Change of a run. Forces are over their largest in the whole run, or over a twentieth of the other one's if
+/// that is more. Q/P is averaged over the published window. It counts where the averaged P of both carries
+/// it, with twice the RMS changes of averaged P and Q as errors ([`Carrying`]).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Change {
     /// RMS change of the vertical force.
@@ -96,8 +97,9 @@ pub(super) fn peaks(run: &History) -> [f64; 2] {
     FORCES.map(|force| peak(&column(run, force)))
 }
 
-/// Share of the largest P of a run under which a contact does not count: its patch is hardly wider than an element of the solid's contact grid (Hertz, 75 N:
-/// a semi-axis of 0.5 mm), which finds it or not by where its nodes are.
+/// Share of the largest P of a run under which a contact does not count. Its patch is hardly wider than an
+/// element of the solid's contact grid (Hertz, 75 N: a semi-axis of 0.5 mm). The places of the grid's nodes
+/// then decide whether it is found.
 const LEAST_CONTACT: f64 = 1e-3;
 
 /// The force under which a wheel counts as separated beside a run, N.

@@ -65,8 +65,10 @@ impl ContactDifference {
     }
 }
 
-/// Pairs separations of two runs that last at least `shortest` seconds, each used once: those that overlap in order; then one that is left over with a shorter one of the other run that it overlaps, as it is not that run
-/// alone which separates there; then those that lie no more than `reach` apart, without another pair between them. Also those that stay alone.
+/// Pairs separations of two runs that last at least `shortest` seconds, each used once. Those that overlap
+/// come first, in order. Then one that is left over is paired with a shorter one of the other run that it
+/// overlaps, as it is not that run alone which separates there. Last are those that lie no more than `reach`
+/// apart, without another pair between them. Also those that stay alone.
 fn pair_separations(
     all: [&[Separation]; 2],
     shortest: f64,
@@ -136,8 +138,9 @@ mod tests {
         (pairs, alone.iter().map(|s| s.begin_s).collect())
     }
 
-    /// Goal: separations (s) that overlap are pairs whatever stands before them alone, which is paired with a shorter one that it overlaps; those that do not overlap are pairs within a window of 24 ms where no
-    /// other pair lies between them; what is left is alone.
+    /// Goal: separations (s) that overlap are pairs whatever stands before them alone. That one is paired
+    /// with a shorter one that it overlaps. Those that do not overlap are pairs within a window of 24 ms
+    /// where no other pair lies between them. The rest is alone.
     #[test]
     fn separations_that_overlap_are_pairs() {
         let a = [(0.0635, 0.002), (0.069, 0.0035), (0.075, 0.0045)];

@@ -23,8 +23,9 @@ pub enum Kind {
 pub enum HeldBy {
     /// The value is within the limit.
     Limit,
-    /// The value is above the limit, and no more than what the solid model itself is worth.
-    SolidWorth,
+    /// The value is above the limit, and no more than the numerical uncertainty of the solid model.
+    #[serde(alias = "solid-worth")]
+    SolidUncertainty,
 }
 
 /// One line of the verdict.
@@ -43,15 +44,15 @@ pub struct Line {
     /// The limit.
     pub limit: f64,
     /// The same difference between two runs of the solid model: with other steps, and with an input that is 0.1 % larger; where it is known.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub solid_worth: Option<f64>,
+    #[serde(default, alias = "solid_worth", skip_serializing_if = "Option::is_none")]
+    pub solid_uncertainty: Option<f64>,
     /// The same of the simple model, which the line does not depend on.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub simple_worth: Option<f64>,
+    #[serde(default, alias = "simple_worth", skip_serializing_if = "Option::is_none")]
+    pub simple_uncertainty: Option<f64>,
     /// Begin and end of the time over which the value was taken, s.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub over_s: Option<[f64; 2]>,
-    /// Whether the value is within the limit, or no more than what the solid is worth; a line without a value does not hold.
+    /// Whether the value is within the limit, or no more than the numerical uncertainty of the solid; a line without a value does not hold.
     pub holds: bool,
     /// Which of the two.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -82,13 +83,16 @@ impl Criterion {
         self.line_beside(value, [None; 2])
     }
 
-    /// The line beside what simple and solid model are worth themselves; it also holds if the value is no more than that of the solid.
-    pub fn line_beside(&self, value: Option<f64>, worth: [Option<f64>; 2]) -> Line {
+    /// The line beside the uncertainty of simple and solid model; it also holds if the value is no more than that of the solid.
+    pub fn line_beside(&self, value: Option<f64>, uncertainty: [Option<f64>; 2]) -> Line {
         let value = value.filter(|value| value.is_finite());
-        let [simple, solid] = worth.map(|worth| worth.filter(|worth| worth.is_finite()));
+        let [simple, solid] =
+            uncertainty.map(|uncertainty| uncertainty.filter(|uncertainty| uncertainty.is_finite()));
         let held_by = match value {
             Some(value) if value <= self.limit => Some(HeldBy::Limit),
-            Some(value) if solid.is_some_and(|worth| value <= worth) => Some(HeldBy::SolidWorth),
+            Some(value) if solid.is_some_and(|uncertainty| value <= uncertainty) => {
+                Some(HeldBy::SolidUncertainty)
+            }
             _ => None,
         };
         Line {
@@ -98,8 +102,8 @@ impl Criterion {
             unit: self.unit.into(),
             value: value.map(rounded),
             limit: self.limit,
-            solid_worth: solid.map(rounded),
-            simple_worth: simple.map(rounded),
+            solid_uncertainty: solid.map(rounded),
+            simple_uncertainty: simple.map(rounded),
             over_s: None,
             holds: held_by.is_some(),
             held_by,
@@ -131,9 +135,9 @@ impl Line {
         Self { over_s: Some(times.map(rounded)), ..self }
     }
 
-    /// The limit, or what the solid is worth if that is more.
+    /// The limit, or the uncertainty of the solid if that is more.
     pub fn allowed(&self) -> f64 {
-        self.solid_worth.map_or(self.limit, |worth| worth.max(self.limit))
+        self.solid_uncertainty.map_or(self.limit, |uncertainty| uncertainty.max(self.limit))
     }
 
     /// Value over what is allowed, by which failing lines are ranked; infinite without a value and over zero.

@@ -1,4 +1,4 @@
-//! What a run is worth: how far it changes with another discretisation of its model.
+//! Numerical uncertainty of a run: how far it changes with another discretisation of its model.
 
 use railspring_simulate::time::history::History;
 use schemars::JsonSchema;

@@ -1,4 +1,4 @@
-//! A run of a model with what it is worth.
+//! A run of a model with its numerical uncertainty.
 
 use railspring_simulate::time::history::History;
 
@@ -11,9 +11,9 @@ use super::step_change::StepChange;
 /// Error of averaged forces of which nothing else is known, of their largest: differences of sums over as many steps as a run may have.
 const ROUNDOFF: f64 = 1e-9;
 
-/// What a run is worth, or why that is not known.
+/// The numerical uncertainty of a run, or why that is not known.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Worth {
+pub struct NumericalUncertainty {
     /// What other steps change.
     pub steps: Result<StepChange, String>,
     /// What an input that is 0.1 % larger changes.
@@ -22,7 +22,7 @@ pub struct Worth {
     pub discretisation: Vec<Result<ModelChange, String>>,
 }
 
-/// A run of a model, and what is known of its worth.
+/// A run of a model, and what is known of its uncertainty.
 #[derive(Debug, Clone, Copy)]
 pub struct ModelRun<'a> {
     /// The run.

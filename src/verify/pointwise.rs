@@ -88,7 +88,7 @@ impl<'a> Scope<'a> {
     }
 
     /// What a run's Q/P differs by from itself over some rows: with the larger input there, and with other steps and discretisations.
-    fn ratio_worth(
+    fn ratio_uncertainty(
         &self,
         run: &ModelRun,
         carrying: &Carrying,
@@ -118,7 +118,7 @@ impl<'a> Scope<'a> {
         let runs = [simple, solid];
         let carrying = runs.map(|run| run.carrying(limits.ratio_max));
         let found = self.ratio(runs.map(|run| run.history), &carrying[1], rows.clone());
-        let worth = [0, 1].map(|k| self.ratio_worth(runs[k], &carrying[k], rows.clone(), of));
+        let uncertainty = [0, 1].map(|k| self.ratio_uncertainty(runs[k], &carrying[k], rows.clone(), of));
         let times = [rows.start, rows.end.max(1) - 1].map(|row| solid.history.rows[row].time);
         let meanings = match of {
             PartOfRun::Determined => {
@@ -133,7 +133,7 @@ impl<'a> Scope<'a> {
         let mut lines = Vec::new();
         for (n, criterion) in [limits.ratio_rms(), limits.ratio_max()].into_iter().enumerate() {
             let criterion = Criterion { meaning: meanings[n], ..criterion };
-            let line = criterion.line_beside(found.values[n], worth.map(|of| of[n])).taken_over(times);
+            let line = criterion.line_beside(found.values[n], uncertainty.map(|of| of[n])).taken_over(times);
             lines.push(match found.values[n] {
                 None if found.steps > 0 => {
                     line.noted("the simple model has no P where the solid's carries it")
@@ -175,20 +175,21 @@ impl<'a> Scope<'a> {
 
     /// What a run differs by from itself: with an input that is 0.1 % larger, with other steps and with other discretisations, together as the root of
     /// their squares.
-    fn worth(&self, run: &ModelRun) -> Differences {
+    fn uncertainty(&self, run: &ModelRun) -> Differences {
         let nothing = Differences { forces: [[None; 2]; 2], contact: None, departure: None };
-        let mut worth = run.disturbed.map_or(nothing, |(other, _)| self.differences([other, run.history]));
+        let mut uncertainty =
+            run.disturbed.map_or(nothing, |(other, _)| self.differences([other, run.history]));
         for RunChange { change, contact, .. } in run.changes() {
             let changed = change.forces(scales(run.history));
             for k in [0, 1] {
                 for measure in [0, 1] {
                     let changed = over(changed[k][measure], self.peaks[k]);
-                    worth.forces[k][measure] = together(worth.forces[k][measure], Some(changed));
+                    uncertainty.forces[k][measure] = together(uncertainty.forces[k][measure], Some(changed));
                 }
             }
-            worth.contact = Some(worth.contact.map_or(*contact, |known| known.with(contact)));
+            uncertainty.contact = Some(uncertainty.contact.map_or(*contact, |known| known.with(contact)));
         }
-        worth
+        uncertainty
     }
 
     /// The lines on forces, averaged Q/P, separations, modes and departures.
@@ -196,13 +197,13 @@ impl<'a> Scope<'a> {
         let limits = self.limits;
         let runs = [simple, solid];
         let found = self.differences(runs.map(|run| run.history));
-        let worth = runs.map(|run| self.worth(run));
+        let uncertainty = runs.map(|run| self.uncertainty(run));
         let rows = runs.map(|run| self.rows(run.history)).into_iter().min().unwrap_or(0);
         let until = rows.checked_sub(1).map_or(0.0, |last| solid.history.rows[last].time);
         let line = |criterion: Criterion, of: &dyn Fn(&Differences) -> Option<f64>| {
-            criterion.line_beside(of(&found), worth.each_ref().map(of)).taken_over([0.0, until])
+            criterion.line_beside(of(&found), uncertainty.each_ref().map(of)).taken_over([0.0, until])
         };
-        let mut checks = vec![self.departure(runs.map(|run| run.history), &found, &worth)];
+        let mut checks = vec![self.departure(runs.map(|run| run.history), &found, &uncertainty)];
         let forces =
             [[limits.vertical_rms(), limits.vertical_max()], [limits.lateral_rms(), limits.lateral_max()]];
         for (k, [of_rms, of_max]) in forces.into_iter().enumerate() {
@@ -244,13 +245,14 @@ impl<'a> Scope<'a> {
         &self,
         [simple, solid]: [&History; 2],
         found: &Differences,
-        worth: &[Differences; 2],
+        uncertainty: &[Differences; 2],
     ) -> Check {
         let criterion = self.limits.departure_s();
         let not_applicable = |reason| -> Check { Err(criterion.not_applicable(reason)) };
         match (simple.ending, solid.ending) {
             (Ending::Departed { .. }, Ending::Departed { .. }) => {
-                let line = criterion.line_beside(found.departure, worth.each_ref().map(|own| own.departure));
+                let line =
+                    criterion.line_beside(found.departure, uncertainty.each_ref().map(|own| own.departure));
                 Ok(if found.departure.is_some() { line } else { line.noted("to different sides") })
             }
             (Ending::EndOfSurface { .. }, _) | (_, Ending::EndOfSurface { .. }) => {

@@ -37,7 +37,7 @@ pub(super) fn lines(simple: &ModelRun, solid: &ModelRun, limits: &Limits, first:
         let samples = || [run.history, other].map(|run| sample(run, first..end, limits, least));
         (blocks >= LEAST_BLOCKS).then(|| chance(samples().each_ref().map(Vec::as_slice), step, blocks))
     };
-    let worth = [simple, solid].map(|run| {
+    let uncertainty = [simple, solid].map(|run| {
         let by_chance = own(run)?;
         let all = |n: usize| {
             let changes = run.changes().filter_map(|of| of.afterwards);
@@ -68,10 +68,10 @@ pub(super) fn lines(simple: &ModelRun, solid: &ModelRun, limits: &Limits, first:
         };
         let of = |k: usize| {
             let least = if n == RATE { least_rates[k] } else { 0.0 };
-            worth[k].map(|worth| value(worth[n].max(least)))
+            uncertainty[k].map(|uncertainty| value(uncertainty[n].max(least)))
         };
-        let worth = [of(0), of(1)];
-        criterion.line_beside(Some(value((of_simple[n] - of_solid[n]).abs())), worth).taken_over(times)
+        let uncertainty = [of(0), of(1)];
+        criterion.line_beside(Some(value((of_simple[n] - of_solid[n]).abs())), uncertainty).taken_over(times)
     };
     let forces = OF_FORCES.into_iter().map(|meaning| Criterion { meaning, ..limits.statistics() });
     let modes = OF_MODES.into_iter().map(|meaning| Criterion { meaning, ..limits.mode_fraction() });

@@ -1,4 +1,4 @@
-//! What a run is worth: how far it changes with steps of another length.
+//! Numerical uncertainty of a run: how far it changes with steps of another length.
 
 use railspring_simulate::time::history::History;
 use railspring_simulate::time::steps::InnerSteps;

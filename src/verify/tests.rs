@@ -330,7 +330,7 @@ fn runs_over_other_times_are_refused() {
     assert!(compare(&long, &later, &Limits::default()).is_err());
 }
 
-mod worth;
+mod uncertainty;
 
 mod properties {
     use super::*;

@@ -9,10 +9,11 @@ use serde_json::Value;
 
 use super::{export, interpolated, number_after, rows, springs, text};
 
-/// Goal: the profiles for CONTACT, read back by our reader, are the placed rail and the wheel: every point of the rail lies on the placed surface once
-/// it is moved to the gauge, every point of the wheel on its profile; the case has track, wheelset, shear modulus, and as KZRAIL what the law has
-/// besides the contact. CONTACT itself is not at hand. Units mm, N, N/mm, MPa. Accuracy: DIGITS of a millimetre for points, and six digits of
-/// the case.
+/// Goal: the profiles for CONTACT, read back by our reader, are the placed rail and the wheel. Every point of
+/// the rail lies on the placed surface once it is moved to the gauge, every point of the wheel on its
+/// profile. The case has track, wheelset, shear modulus, and as KZRAIL the law's stiffness besides the
+/// contact. CONTACT itself is not at hand. Units mm, N, N/mm, MPa. Accuracy: DIGITS of a millimetre for
+/// points, and six digits of the case.
 #[test]
 fn contact_gets_the_pair_in_place() {
     const SIX_DIGITS: f64 = 1e-6;

@@ -40,9 +40,10 @@ fn content(text: &str, sign: char) -> Vec<&str> {
     text.lines().filter(|line| !line.starts_with(sign)).collect()
 }
 
-/// Source: the calibration of the same pair at the same shift. Goal: a row has its law, its points and its comment, but for what it was made
-/// from; profiles and cases for CONTACT are those of the study, with the solid at the loads of the columns in the place of all loads; every reference of
-/// the table can be had. Accuracy: ROUNDOFF, the same numbers through other sums; profiles are equal to the digit.
+/// Source: the calibration of the same pair at the same shift. Goal: a row has its law, its points and its
+/// comment, except for the source that it names. Profiles and cases for CONTACT are those of the study, with
+/// the solid at the loads of the columns in the place of all loads. Every reference of the table can be had.
+/// Accuracy: ROUNDOFF, the same numbers through other sums; profiles are equal to the digit.
 #[test]
 fn a_row_is_the_spring_of_its_study() {
     const ROUNDOFF: f64 = 1e-9;
@@ -122,8 +123,9 @@ fn a_row_is_the_spring_of_its_study() {
     assert!((k_z / study_k_z - 1.0).abs() < 1e-6 && (k_y / study_k_y - 1.0).abs() < 0.05, "{row} {one}");
 }
 
-/// Goal: without a choice every row has its folder with the very files that it has alone, a list says what became of each, and of one without
-/// a law why; the exit code says that not all is there, and the list of an earlier export does not outlive a later one. The table stays as it is.
+/// Goal: without a choice every row has its folder with the very files that it has alone. A list gives the
+/// outcome of each, and for one without a law the reason. The exit code says that not all is there. The list
+/// of an earlier export does not outlive a later one. The table does not change.
 #[test]
 fn all_rows_go_into_a_folder() {
     let place = made();

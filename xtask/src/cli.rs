@@ -59,7 +59,7 @@ pub fn main() -> ExitCode {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::from(1),
         Err(failure) => {
-            let (messages, code) = failure.said();
+            let (messages, code) = failure.messages();
             messages.iter().for_each(|message| complain(message));
             ExitCode::from(code)
         }

@@ -108,9 +108,10 @@ pub struct Span {
 }
 
 impl Span {
-    /// Deflection (m) at `x` (m) and `time` (s) under a constant `force` (N) that entered the
-    /// span at x = 0 and t = 0 with `speed` (m/s) and is still on it; `terms` terms of the series
-    /// (Frýba, Vibration of Solids and Structures under Moving Loads, chapter 1, extended to the two branches of the Timoshenko beam).
+    /// Deflection (m) at `x` (m) and `time` (s) under a constant `force` (N) that moves with `speed` (m/s).
+    /// The force entered the span at x = 0 and t = 0 and is still on it. The series has `terms` terms.
+    /// Source: Frýba, Vibration of Solids and Structures under Moving Loads, chapter 1, extended to the two
+    /// branches of the Timoshenko beam.
     pub fn moving_force_deflection(&self, force: f64, speed: f64, x: f64, time: f64, terms: usize) -> f64 {
         (1..=terms)
             .map(|n| {

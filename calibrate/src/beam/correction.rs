@@ -18,9 +18,10 @@ const LEAST_SHARE: f64 = 0.1;
 const SOUND: std::ops::RangeInclusive<f64> = 0.5..=2.0;
 
 impl BeamCorrection {
-    /// The correction of `beam` after which its flexibility at midspan, at `offset` (y, z; m) from the node line, is
-    /// `carried` (y, z; m/N): lateral and vertical exactly, where the solid's flexibility under beam forces on its
-    /// `section` (y, z in m, rotation about x in rad) says what of the lateral one is shear. World axes.
+    /// The correction of `beam` that gives it the flexibility `carried` (y, z; m/N) at midspan, at `offset`
+    /// (y, z; m) from the node line. Lateral and vertical flexibility are met exactly. The solid's
+    /// flexibility under beam forces on its `section` (y, z in m, rotation about x in rad) gives the share of
+    /// shear in the lateral one. World axes.
     ///
     /// # Errors
     /// [`InputError`] for a rail too short to be a beam.

@@ -160,8 +160,10 @@ mod tests {
         }
     }
 
-    /// Source: the beam's own statics. Goal: modes and what lies beyond them have the flexibility of the section (m/N, rad/(N·m)) wherever it is, between nodes as well; with all modes nothing
-    /// is left but what the element gives between its nodes, and no mode moves a section at a held end. Accuracy: ROUNDOFF of numbers whose squares are 10⁸ apart.
+    /// Source: the beam's own statics. Goal: modes and what lies beyond them have the flexibility of the
+    /// section (m/N, rad/(N·m)) wherever it is, between nodes as well. With all modes nothing is left but the
+    /// element's own flexibility between its nodes. No mode moves a section at a held end. Accuracy: ROUNDOFF
+    /// of numbers whose squares are 10⁸ apart.
     #[test]
     fn modes_and_the_rest_are_the_flexibility() {
         const ROUNDOFF: f64 = 1e-7;

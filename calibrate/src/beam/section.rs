@@ -20,12 +20,11 @@ pub enum Torsion {
 /// Stiffness and inertia of a beam, in its own axes: x along the beam, y and z
 /// the principal axes of the section.
 ///
-/// Deflections and twist refer to the node line, which is the line of *shear
-/// centres*: a force through it bends without twisting, so that a lateral force
-/// at the rail head twists the rail by its lever to the shear centre, not to
-/// the centroid (34 mm higher). Axial displacement refers to the centroid. With
-/// this choice of thin-walled beam theory the stiffness matrix is uncoupled;
-/// only the mass, which acts at the centroid, couples sway and twist.
+/// Deflections and twist refer to the node line, which is the line of *shear centres*. A force through it
+/// bends without twisting. A lateral force at the rail head twists the rail by its lever to the shear centre,
+/// not to the centroid (34 mm higher). Axial displacement refers to the centroid. With this choice of
+/// thin-walled beam theory the stiffness matrix is uncoupled. Only the mass, which acts at the centroid,
+/// couples sway and twist.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BeamSection {
     /// E·A, N.

@@ -130,8 +130,9 @@ fn end(lines: &[Line]) -> (usize, f64) {
     (0, 2.0 / 3.0 * first * beyond)
 }
 
-/// Integral of the width from the line after [`ENDS`] outwards, with the force q = q₀ + s·t + c·t² of a line at the distance
-/// t: s from the lines inside, c from q = 0 at the rim, and the rim from the force of the lines beyond.
+/// Integral of the width from the line after [`ENDS`] outwards. A line at the distance t has the force q =
+/// q₀ + s·t + c·t². The slope s comes from the lines inside, c from q = 0 at the rim, and the place of the rim
+/// from the force of the lines beyond.
 fn loaded_end(lines: &[Line]) -> f64 {
     let [q0, q1, q2] = [0, 1, 2].map(|line| lines[ENDS + line].force);
     let slope = (0.5 * (3.0 * q0 - 4.0 * q1 + q2)).min(0.0);

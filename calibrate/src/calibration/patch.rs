@@ -50,7 +50,7 @@ pub struct Patch {
     pub values: PatchValues,
     /// Its pressure, on the finest grid of each region.
     pub hats: Vec<Hat>,
-    /// What the values are worth; none for a contact on the nodes of a mesh.
+    /// Error bands of the values; none for a contact on the nodes of a mesh.
     pub band: Option<PatchBand>,
 }
 

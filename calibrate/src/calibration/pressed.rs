@@ -161,9 +161,9 @@ impl Elasticity {
     }
 }
 
-/// Why the points that carry load are not all there are: the patch of `forces` reaches the end of the contact
-/// window along the track (of the grid with `columns` lines; the window of the wheel, equal in angle, may end within its
-/// last cells), or the end of the contact zone on a profile.
+/// The reason why the points that carry load are not the whole patch. The patch of `forces` reaches the end
+/// of the contact window along the track, or the end of the contact zone on a profile. The grid has `columns`
+/// lines along the track. The window of the wheel, equal in angle, may end within its last cells.
 pub fn edge_reached(points: &[ContactPoint], forces: &[f64], columns: usize) -> Option<StopReason> {
     let mut reached = None;
     for (point, _) in points.iter().zip(forces).filter(|(point, force)| point.at_edge && **force > 0.0) {

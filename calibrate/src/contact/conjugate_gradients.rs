@@ -1,9 +1,10 @@
 //! The normal problem by products alone: slower than Newton's iteration near the solution, but it comes there from any start, and
 //! without a factor.
 //!
-//! I.A. Polonsky, L.M. Keer, "A numerical method for solving rough contact problems based on the multi-level multi-summation and
-//! conjugate gradient techniques", Wear 231 (1999): conjugate gradients on the points that carry load, of which those that would pull
-//! are dropped and those that overlap are taken up after each step; the force of the hub is met by scaling.
+//! I.A. Polonsky, L.M. Keer, "A numerical method for solving rough contact problems based on the multi-level
+//! multi-summation and conjugate gradient techniques", Wear 231 (1999). The conjugate gradients act on the
+//! points that carry load. After each step points that would pull are dropped, and points that overlap are
+//! added. Scaling meets the force of the hub.
 
 use super::state::State;
 

@@ -11,7 +11,7 @@ use faer::{Mat, MatMut, Par};
 const ROWS: usize = 10_000;
 
 /// Whether a dense factor of so many rows is worth its memory and its time, where products with the matrix are another way.
-pub(super) fn is_worth_it(rows: usize, by_products: bool) -> bool {
+pub(super) fn is_affordable(rows: usize, by_products: bool) -> bool {
     rows <= ROWS || !by_products
 }
 

@@ -1,12 +1,12 @@
 //! Semismooth Newton iteration on the projections of Signorini and Coulomb.
 //!
 //! P. Alart, A. Curnier, "A mixed formulation for frictional contact problems prone to Newton like solution
-//! methods", Comput. Methods Appl. Mech. Eng. 92 (1991). Two safeguards: a point that slips to and fro
-//! sticks in between, and after [`PLAIN`] steps a line search on the residual shortens the steps, with the
-//! memory of L. Grippo, F. Lampariello, S. Lucidi, "A nonmonotone line search technique for Newton's method",
-//! SIAM J. Numer. Anal. 23 (1986).
+//! methods", Comput. Methods Appl. Mech. Eng. 92 (1991). There are two safeguards. A point that slips to and
+//! fro sticks in between. After [`PLAIN`] steps a line search on the residual shortens the steps. Its memory
+//! is that of L. Grippo, F. Lampariello, S. Lucidi, "A nonmonotone line search technique for Newton's
+//! method", SIAM J. Numer. Anal. 23 (1986).
 
-use super::dense::{DenseFactor, is_worth_it};
+use super::dense::{DenseFactor, is_affordable};
 use super::iterative::{Cone, Factors, Linearised};
 use super::state::{PointMode, Residual, State};
 use faer::Mat;
@@ -193,7 +193,7 @@ fn direction(state: &State, modes: &[PointMode], tolerance: f64, factors: &mut F
     let change = match linearised.solve(std::slice::from_ref(&rhs), tolerance, ACCEPTED_FORCING_TERM, factors)
     {
         Some(mut solutions) => solutions.remove(0),
-        None if !is_worth_it(m, problem.has_products()) => return None,
+        None if !is_affordable(m, problem.has_products()) => return None,
         None => {
             let mut matrix = state.linearised(&rows, &along, k);
             for (h, free) in along.iter().enumerate() {

@@ -34,8 +34,9 @@ pub fn pair_nodes(
     Pairing::of(base, opposing, |_, _, node| wanted(node))
 }
 
-/// The nodes of the base surface that are nearer to the opposing one than the `limits`, with gap, normal and weights at the nodes themselves
-/// in place of means over their hats: enough to see what is near, for a tenth of the work of [`pair`].
+/// The nodes of the base surface that are nearer to the opposing one than the `limits`. Gap, normal and
+/// weights are those at the nodes, where [`pair`] takes means over their hats. That is enough to find nearby
+/// surfaces, for a tenth of the work.
 pub fn nodes_near(base: &Surface, opposing: &Surface, limits: PairingLimits) -> Vec<ContactPoint> {
     let columns = base.grid.along_track.len();
     let hit = |pairing: &Pairing, line: &Line, (i, k): (usize, usize)| {

@@ -1,15 +1,14 @@
 //! Unilateral contact with Coulomb friction on a linear compliance.
 //!
-//! Unknown are the forces at the contact points and the free motions of the
-//! wheel's hub. A semismooth Newton iteration finds them; where the compliance comes as products, from a start by products alone. Where
-//! it does not settle, there are other ways, in this order and a bounded number of times: the products all the way to the
-//! solution; the solution without friction, with the friction raised from there; and, where the compliance is a matrix, projected
-//! Gauss-Seidel sweeps. Whatever the way, the
-//! answer satisfies the conditions of the problem as it is posed, to the same
-//! tolerance.
+//! Unknown are the forces at the contact points and the free motions of the wheel's hub. A semismooth Newton
+//! iteration finds them. Where the compliance comes as products, conjugate gradients give its start. Where
+//! the iteration does not converge, other methods follow in this order, each a bounded number of times. First
+//! conjugate gradients go on to the solution. Then friction is raised from the solution without friction.
+//! Where the compliance is a matrix, projected Gauss-Seidel sweeps are last. With any method, the answer
+//! satisfies the conditions of the problem as it is posed, to the same tolerance.
 
 use super::conjugate_gradients::conjugate_gradients;
-use super::dense::{DenseFactor, is_worth_it};
+use super::dense::{DenseFactor, is_affordable};
 use super::iterative::{Factors, Linearised};
 use super::newton::{Goal, TOLERANCE, newton, slip_rows};
 use super::preconditioned::preconditioned;
@@ -242,7 +241,7 @@ pub fn response_to(
     let motions = || rates.iter().map(|rates| linearised.motion(|row| rates[row])).collect::<Vec<_>>();
     let response = linearised.solve(&motions(), LINEAR, LINEAR, factors);
     let response = response.or_else(|| {
-        if !is_worth_it(m, problem.has_products()) {
+        if !is_affordable(m, problem.has_products()) {
             return None;
         }
         let mut system = state.linearised(&rows, &[], 0);
@@ -293,9 +292,11 @@ mod tests {
         a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / size
     }
 
-    /// Source: Hertz (K.L. Johnson, Contact Mechanics, 1985, section 4.2); Newton's iteration. Goal: conjugate gradients come to the forces, N,
-    /// and the approach, m, of a round contact from nothing, from a force on one point, and from a uniform one, whether the hub is free
-    /// or held; with the inverse of the half-spaces they take fewer steps. Accuracy: SOLVER against Newton; DISCRETISATION of the approach on fifteen cells to the radius, 0.3 %.
+    /// Source: Hertz (K.L. Johnson, Contact Mechanics, 1985, section 4.2); Newton's iteration. Goal:
+    /// conjugate gradients come to the forces, N, and the approach, m, of a round contact from nothing, from
+    /// a force on one point, and from a uniform one, with the hub free and held. They take fewer steps with
+    /// the inverse of the half-spaces. Accuracy: SOLVER against Newton; DISCRETISATION of the approach on
+    /// fifteen cells to the radius, 0.3 %.
     #[test]
     fn conjugate_gradients_are_newton_and_hertz() {
         const DISCRETISATION: f64 = 0.003;

@@ -58,7 +58,7 @@ const DEEPER: f64 = 1.5;
 /// Lines across a region that are looked at, beside those whose pressure is larger than that of both neighbours.
 const LINES: usize = 12;
 /// Of the largest stress, what a place must have to be followed.
-const WORTH: f64 = 0.9;
+const NEAR_LARGEST: f64 = 0.9;
 /// Rounds in which a place is followed, and the ratio of their steps.
 const ROUNDS: usize = 4;
 const NARROWER: f64 = 0.4;
@@ -152,12 +152,12 @@ pub fn subsurface(hats: &[Hat], finer: &[Hat], poisson: f64) -> Option<[Subsurfa
     let [mises, shear] = [0, 1].map(|which| {
         let value = |line: usize| looked_at.get(line).map_or(0.0, |found| found[which].0);
         let largest = (0..looked_at.len()).map(value).fold(0.0, f64::max);
-        let worth = |line: &usize| {
+        let is_candidate = |line: &usize| {
             let beside = value(line.wrapping_sub(1)).max(value(line + 1));
-            value(*line) >= beside && value(*line) >= WORTH * largest
+            value(*line) >= beside && value(*line) >= NEAR_LARGEST * largest
         };
         let starts: Vec<&Start> =
-            (0..looked_at.len()).filter(worth).map(|line| &looked_at[line][which].1).collect();
+            (0..looked_at.len()).filter(is_candidate).map(|line| &looked_at[line][which].1).collect();
         [hats, finer].map(|hats| {
             let followed = starts.iter().map(|start| follow(hats, poisson, MEASURES[which], start));
             followed.max_by(|a, b| a.stress.total_cmp(&b.stress))

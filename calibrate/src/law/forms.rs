@@ -10,7 +10,7 @@ use railspring_profiles::error::Result;
 
 /// How far a law is from the solid at a load, each over the value of the solid there.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct OffAt {
+pub struct LawError {
     /// Load, N.
     pub force: f64,
     /// Of the tangent. A table has the tangents of the solid: it is the deviation of the table of the other loads, which tells what lies between
@@ -20,13 +20,13 @@ pub struct OffAt {
     pub displacement: f64,
 }
 
-/// A law of one form, and how far it is off.
+/// A law of one form, and its errors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FormFit {
     /// The law.
     pub law: NormalLaw,
     /// By load, ascending.
-    pub off: Vec<OffAt>,
+    pub errors: Vec<LawError>,
 }
 
 /// Laws of all forms for the same solid: `power` is its law of the published form, fitted to the tangents as published; the others are
@@ -41,11 +41,11 @@ pub fn fit_forms(solid: &[Solid], power: StiffnessLaw) -> Result<Vec<FormFit>> {
         laws.push(fit_steps(solid)?.into());
     }
     laws.push(TableLaw::of_solid(solid)?.into());
-    Ok(laws.into_iter().map(|law| FormFit { off: off(&law, solid), law }).collect())
+    Ok(laws.into_iter().map(|law| FormFit { errors: errors(&law, solid), law }).collect())
 }
 
-/// How far `law` is off at each load of the solid.
-fn off(law: &NormalLaw, solid: &[Solid]) -> Vec<OffAt> {
+/// Errors of `law` at each load of the solid.
+fn errors(law: &NormalLaw, solid: &[Solid]) -> Vec<LawError> {
     let left_out = match law {
         NormalLaw::Table(table) => Some(table.left_out()),
         _ => None,
@@ -54,7 +54,7 @@ fn off(law: &NormalLaw, solid: &[Solid]) -> Vec<OffAt> {
         Some(left_out) => left_out.get(i.checked_sub(1)?).copied(),
         None => Some(law.tangent(at.force) / at.tangent - 1.0),
     };
-    let at = |(i, at): (usize, &Solid)| OffAt {
+    let at = |(i, at): (usize, &Solid)| LawError {
         force: at.force,
         tangent: tangent(i, at),
         displacement: law.displacement(at.force) / at.displacement - 1.0,

@@ -36,8 +36,9 @@ const OFF_LINE: f64 = 1e-3;
 /// A mesh that was made elsewhere.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GivenMesh {
-    /// Coordinates of the nodes, m: of a rail in the world frame, as it lies in the track, with its middle at x = 0;
-    /// of a wheel in its body frame (origin in the middle of the hub at the tape circle, y along the axle, z down).
+    /// Coordinates of the nodes, m. Those of a rail are in the world frame, as it lies in the track, with its
+    /// middle at x = 0. Those of a wheel are in its body frame: origin in the middle of the hub at the tape
+    /// circle, y along the axle, z down.
     pub nodes: Vec<Point3<f64>>,
     /// Nodes of every hexahedron in the order of VTK.
     pub hexes: Vec<[usize; 8]>,

@@ -126,7 +126,7 @@ pub struct FixedLoad {
     pub lateral_contact: f64,
     /// The patch, the rail's section held.
     pub patch: PatchValues,
-    /// What its values are worth; none for a contact between elements.
+    /// Error bands of its values; none for a contact between elements.
     pub patch_band: Option<PatchBand>,
     /// The contacts that carry the load: one, or two whose normals are apart. Their normal forces and their normals out of the rail, world (y, z).
     pub contacts: Vec<Region>,

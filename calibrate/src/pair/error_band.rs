@@ -1,4 +1,4 @@
-//! What the laws of a pair are worth: how far they change with the grid of the contact and with the meshes of the bodies.
+//! Error bands of the laws of a pair: how far they change with the grid of the contact and with the meshes of the bodies.
 //!
 //! Twice as large elements change a law by what it is still away from its limit if the error is of first order in the size of the
 //! elements, and by three times as much if it is of second order. The error of the bodies lies between (order 1.35 was seen, from their
@@ -76,7 +76,7 @@ impl Change {
     }
 }
 
-/// What a law is worth at one load.
+/// Error band of a law at one load.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BandPoint {
     /// Load, N.
@@ -98,7 +98,7 @@ impl BandPoint {
     }
 }
 
-/// What a law is worth, load by load.
+/// Error band of a law, load by load.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ErrorBand {
     /// The reference of the law.

@@ -1,4 +1,4 @@
-//! What the horizontal stiffness of a pair is worth: how far it changes with the meshes of the bodies. The grid of the contact hardly
+//! Error band of the horizontal stiffness of a pair: how far it changes with the meshes of the bodies. The grid of the contact hardly
 //! concerns it: with half its spacing the horizontal stiffness of S1002 on 60E1 changes by 0.03 to 0.04 % on tread and gauge corner and by less on the
 //! flange, with coarser meshes by 5 to 6 %.
 

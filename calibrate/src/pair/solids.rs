@@ -47,9 +47,10 @@ impl PairBody {
     }
 }
 
-/// The orders of the bodies' equations, each found once: it takes as long as the assembly of a body, and the prediction of its memory, the
-/// condensed body and its inside ask for it in turn; and the halves of those that are their own mirror images. They belong to the meshes,
-/// whatever material and element.
+/// The orders of the bodies' equations, each found once, and the halves of bodies that are their own mirror
+/// images. An order takes as long to find as the assembly of a body. The prediction of its memory, the
+/// condensed body and its inside ask for it in turn. Orders belong to the meshes, whatever material and
+/// element.
 #[derive(Debug, Clone, Default)]
 pub struct Orders([OfBody; 3]);
 

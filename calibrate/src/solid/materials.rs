@@ -9,8 +9,9 @@ use railspring_profiles::field::InputField;
 use railspring_profiles::units::MILLIMETRE;
 use serde::Serialize;
 
-/// Largest Poisson's ratio of a layer of one element between two other materials: between rigid circles it is 0.5 % too stiff at 0.49, 2.4 % at
-/// 0.495, 26 % at 0.499 and 57 % at 0.4995; of two elements 0.8, 1.5, 6 and 11 %, of four 0.2, 0.4, 1.5 and 2.5 % (`tests/layered.rs`).
+/// Largest Poisson's ratio of a layer of one element between two other materials. Between rigid circles such
+/// a layer is 0.5 % too stiff at 0.49, 2.4 % at 0.495, 26 % at 0.499 and 57 % at 0.4995. A layer of two
+/// elements is 0.8, 1.5, 6 and 11 % too stiff, one of four 0.2, 0.4, 1.5 and 2.5 % (`tests/layered.rs`).
 const SINGLE_LAYER: f64 = 0.49;
 
 /// The materials of a body: one for every group of its mesh ([`HexMesh::groups`]), all with the same damping.

@@ -30,10 +30,11 @@ fn triangle(size: usize) -> usize {
 }
 
 impl CondensedBody {
-    /// The body as a file: tensors `compliance` (it is symmetric: its upper triangle, column by column), `nodes`, `along_profile`, `along_track` and
-    /// `node_numbers`, with the motion of a section `section_moved` (a row for y, z and the rotation),
-    /// `section_flexibility` and `shear_centre`, with modes `mode_shapes` (a row for each), `mode_stiffness`, `mode_coupling` (a row for each rigid
-    /// motion), `rigid_mass` and `master`, and the rest as metadata.
+    /// The body as a file of tensors, with the rest as metadata. `compliance` is symmetric: the file has its
+    /// upper triangle, column by column. `nodes`, `along_profile`, `along_track` and `node_numbers` describe
+    /// the contact nodes. The motion of a section is `section_moved` (a row for y, z and the rotation),
+    /// `section_flexibility` and `shear_centre`. Modes are `mode_shapes` (a row for each), `mode_stiffness`,
+    /// `mode_coupling` (a row for each rigid motion), `rigid_mass` and `master`.
     ///
     /// # Panics
     /// Never: the shapes are those of the data.

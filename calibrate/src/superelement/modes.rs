@@ -1,18 +1,20 @@
 //! What a condensed body needs in time besides its static compliance: a few modes of its inside, held at its hub, and its
 //! rigid motions.
 //!
-//! The modes span what static solutions give: the body under loads on its contact zone and under the inertia of its hub's
-//! motions, then again and again under the inertia of the solutions before (block Lanczos on the factor of the stiffness).
-//! B. Nour-Omid, R.W. Clough, "Block Lanczos method for dynamic analysis of structures", Earthquake Eng. Struct. Dyn. 13 (1985).
-//! The space of the first blocks has the lowest natural modes, and in place of the others what they do under loads on the contact
-//! zone: with n blocks the first 2n terms of the flexibility there as a series of the squared frequency, of which the first is
-//! the statics and the second the inertia of a quasi-static motion.
+//! The modes span static solutions. The first ones are those under loads on the contact zone and under the
+//! inertia of the hub's motions. Each further block is the body under the inertia of the solutions before
+//! (block Lanczos on the factor of the stiffness). B. Nour-Omid, R.W. Clough, "Block Lanczos method for
+//! dynamic analysis of structures", Earthquake Eng. Struct. Dyn. 13 (1985). The space of the first blocks has
+//! the lowest natural modes, and replaces the others by their effect under loads on the contact zone. With n
+//! blocks it has the first 2n terms of the flexibility there, as a series of the squared frequency. The first
+//! term is the statics, the second the inertia of a quasi-static motion.
 //!
-//! Contact nodes have no mass, so that what the modes leave of the static compliance follows the contact forces at once:
-//! the residual `C - Φ·K⁻¹·Φᵀ` of the compliance C by the rows Φ of the modes and their stiffness K, which is positive
-//! semi-definite for any modes. D.J. Rixen, "A dual Craig-Bampton method for dynamic substructuring", J. Comput. Appl. Math. 168
-//! (2004), for the free interface; C.D. Monjaraz-Tec, J. Gross, M. Krack, "A massless boundary component mode synthesis method for elastodynamic
-//! contact problems", Comput. Struct. 260 (2022), for the interface without mass.
+//! Contact nodes have no mass. The residual static compliance `C - Φ·K⁻¹·Φᵀ` follows the contact forces at
+//! once. C is the compliance, Φ has the rows of the modes, and K is their stiffness. The residual is positive
+//! semi-definite for any modes. Sources: D.J. Rixen, "A dual Craig-Bampton method for dynamic
+//! substructuring", J. Comput. Appl. Math. 168 (2004), for the free interface; C.D. Monjaraz-Tec, J. Gross,
+//! M. Krack, "A massless boundary component mode synthesis method for elastodynamic contact problems",
+//! Comput. Struct. 260 (2022), for the interface without mass.
 
 use super::factor::{Factor, dot};
 use super::factored::Superelement;
@@ -411,9 +413,10 @@ impl Surface {
     }
 }
 
-/// Forces across the track and down on the contact zone (those along it balance in a patch under a wheel that does not roll), growing from one end of its profile to the other or back, and from both its ends
-/// along the track to the middle: together they act anywhere across the zone, with any moment. Antisymmetric ones grow along the track from one end
-/// to the opposite force at the other.
+/// Forces across the track and down on the contact zone. They grow from one end of its profile to the other
+/// or back, and from both its ends along the track to the middle. Together they act anywhere across the zone,
+/// with any moment. Forces along the track balance in a patch under a wheel that does not roll. Antisymmetric
+/// ones grow along the track from one end to the opposite force at the other.
 pub(super) fn contact_loads(mesh: &HexMesh, symmetry: Symmetry) -> Vec<Vec<f64>> {
     let SurfaceGrid { along_profile, along_track, nodes } = &mesh.contact;
     let columns = along_track.len();
@@ -485,9 +488,10 @@ mod tests {
         }
     }
 
-    /// Source: the body's own matrices. Goal: the modes are orthonormal with the mass (seen in the mass between them and the rigid
-    /// motions, whose sum of squares stays below that of the body), their stiffness is that of the shapes (J), and what they leave of the
-    /// compliance is positive semi-definite, m/N; the first modes are the same when there are more. Accuracy: ROUNDOFF.
+    /// Source: the body's own matrices. Goal: the modes are orthonormal with the mass. That shows in the mass
+    /// between them and the rigid motions, whose sum of squares stays below that of the body. Their stiffness
+    /// is that of the shapes (J). The residual of the compliance, m/N, is positive semi-definite. The first
+    /// modes are the same when there are more. Accuracy: ROUNDOFF.
     #[test]
     fn what_modes_leave_of_the_compliance_is_not_negative() {
         const ROUNDOFF: f64 = 1e-10;

@@ -271,10 +271,11 @@ mod tests {
         largest(&a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<_>>()) / largest(a)
     }
 
-    /// Source: the same body as a whole. Goal: a body that is condensed by halves has its compliance (m/N), its modes (displacements of the contact
-    /// nodes, stiffness, mass between them and the rigid motions), its equations and its mass; nodes move as in the whole under forces
-    /// that are neither symmetric nor antisymmetric, under symmetric ones, and under those on a section. Accuracy: ROUNDOFF. The modes of
-    /// the block on its own hub, too.
+    /// Source: the same body as a whole. Goal: a body that is condensed by halves has its compliance (m/N),
+    /// its equations and its mass. It has its modes: displacements of the contact nodes, stiffness, mass
+    /// between them and the rigid motions. Nodes move as in the whole under forces that are neither symmetric
+    /// nor antisymmetric, under symmetric ones, and under those on a section. The modes of the block on its
+    /// own hub agree, too. Accuracy: ROUNDOFF.
     #[test]
     fn halves_are_the_whole() {
         let mesh = block([8, 5, 4]);

@@ -331,7 +331,7 @@ impl Loading {
     }
 
     /// The largest change, m.
-    pub fn off(&self) -> f64 {
+    pub fn largest_change(&self) -> f64 {
         self.change.iter().map(|change| change.abs()).fold(0.0, f64::max)
     }
 

@@ -183,7 +183,7 @@ impl ContactStrips {
         let turned = |matrix: &Matrix3<f64>| whole * matrix * whole.transpose();
         if self.profiles.places.is_some() {
             let [normal, friction] = self.loading.softness();
-            all.off = self.loading.off();
+            all.off = self.loading.largest_change();
             all.stiffness -= turned(&(normal + friction));
         }
         for contact in contacts {

@@ -322,12 +322,12 @@ fn goes_on(before: &[MeasuredPoint], after: &[MeasuredPoint], extent: f64) -> bo
 /// Whether most of the points lie beside others.
 fn lies_on(points: &[MeasuredPoint], others: &[MeasuredPoint], extent: f64) -> bool {
     /// Points that are looked at, and others that they are compared with.
-    const ENOUGH: usize = 200;
+    const MOST_POINTS: usize = 200;
     if points.len() < FEWEST {
         return false;
     }
     let thinned = |points: &[MeasuredPoint]| -> Vec<Point2<f64>> {
-        points.iter().step_by(points.len().div_ceil(ENOUGH)).map(|p| p.point).collect()
+        points.iter().step_by(points.len().div_ceil(MOST_POINTS)).map(|p| p.point).collect()
     };
     let others = thinned(others);
     let sample = thinned(points);

@@ -347,8 +347,8 @@ fn trim_start(points: &mut Vec<MeasuredPoint>, spikes: &mut Findings<'_>) {
 /// Replaces runs of neighbouring points by their means where there are more points than any curve needs.
 pub(super) fn thin_by_means(points: &mut Vec<MeasuredPoint>, findings: &mut Vec<Finding>) {
     /// Most points that are kept.
-    const ENOUGH: usize = 20_000;
-    let run = points.len().div_ceil(ENOUGH);
+    const MOST_POINTS: usize = 20_000;
+    let run = points.len().div_ceil(MOST_POINTS);
     if run < 2 {
         return;
     }

@@ -25,7 +25,7 @@ pub(super) fn recognised(text: &str, ending: &str) -> Option<ProfileFormat> {
 /// of Simpack or MiniProf, or nearly nothing but rows of numbers.
 pub fn format_of(name: &str, bytes: &[u8]) -> Option<ProfileFormat> {
     /// Lines that are looked at.
-    const ENOUGH: usize = 2000;
+    const MOST_LINES: usize = 2000;
     /// Share of rows of numbers that makes a file one of columns.
     const MOST: f64 = 0.8;
     let text = text::decode(name, bytes).ok()?;
@@ -38,7 +38,7 @@ pub fn format_of(name: &str, bytes: &[u8]) -> Option<ProfileFormat> {
         return recognised;
     }
     let filled =
-        || text::lines(&text).map(|(_, line)| line).filter(|line| !line.trim().is_empty()).take(ENOUGH);
+        || text::lines(&text).map(|(_, line)| line).filter(|line| !line.trim().is_empty()).take(MOST_LINES);
     let rows = filled().filter(|line| text::begins_like_a_number(line) && !line.contains('=')).count();
     if rows < 4 || (rows as f64) < MOST * filled().count() as f64 {
         return None;
@@ -50,10 +50,10 @@ pub fn format_of(name: &str, bytes: &[u8]) -> Option<ProfileFormat> {
 /// The first heading of a TOML file, `[word]` on a line, with its line; `None` for what is no TOML file.
 pub(super) fn toml_section(text: &str) -> Option<(usize, &str)> {
     /// Lines that are looked at.
-    const ENOUGH: usize = 2000;
+    const MOST_LINES: usize = 2000;
     let word =
         |text: &str| !text.is_empty() && text.chars().all(|c| c.is_ascii_alphanumeric() || "_-.".contains(c));
-    let lines = || text::lines(text).map(|(n, line)| (n, line.trim())).take(ENOUGH);
+    let lines = || text::lines(text).map(|(n, line)| (n, line.trim())).take(MOST_LINES);
     let heading = |line: &str| {
         line.strip_prefix('[')
             .and_then(|rest| rest.strip_suffix(']'))

@@ -19,7 +19,7 @@ const LEAST_SCALE: f64 = 12e-6;
 /// Greatest scale, m: the tolerance of rolled and turned profiles.
 const GREATEST_SCALE: f64 = 0.3 * MILLIMETRE;
 /// Share of the kept parts that has to lie on the standard; of the sides of a head one may be worn.
-const ENOUGH: f64 = 0.3;
+const ACCEPTED: f64 = 0.3;
 /// Greatest uncertainty (two standard deviations) of a place that counts as determined, m.
 pub(super) const GREATEST_SHIFT: f64 = 0.05 * MILLIMETRE;
 /// The same of its rotation, rad.
@@ -164,7 +164,7 @@ pub fn place(points: &[Point2<f64>], reference: &Reference, options: PlaceOption
         let found = starts.candidates(reference, scale);
         let Some(&best) = found.first() else { return Ok(None) };
         let placed = finish(points, &samples, centre, reference, best, scale, noise, options);
-        if placed.1 >= ENOUGH || scale >= GREATEST_SCALE {
+        if placed.1 >= ACCEPTED || scale >= GREATEST_SCALE {
             return Ok(Some(placed.0));
         }
         scale = (3.0 * scale).min(GREATEST_SCALE);

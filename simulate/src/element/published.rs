@@ -1,20 +1,16 @@
 //! The published moving contact element and its solver.
 //!
-//! A wheel with a cubic-spline profile stands on a rail whose profile is a row
-//! of nodes. The rail nodes follow the master C on the rail's beam, the
-//! wheel's spline follows the master B, and springs k1, k2 and k3 join B to
-//! the wheel centre A. Contact and friction act at each rail node that the
-//! spline has passed, so that several contacts at once need nothing special.
+//! A wheel with a cubic-spline profile stands on a rail whose profile is a row of nodes. The rail nodes
+//! follow the master C on the rail's beam. The wheel's spline follows the master B. Springs k1, k2 and k3
+//! join B to the wheel centre A. Contact and friction act at each rail node that the spline has passed.
+//! Several contacts at once need nothing special.
 //!
-//! **Handing over.** The rail nodes lie so close that a wheel that slides
-//! passes many of them. A node that is about to touch knows the place of its
-//! foot on the wheel from the last step, so that its tangential increment is
-//! that of the whole step: while the wheel slides, a node that begins to carry
-//! load is at its friction limit at once, and nothing is lost. While the wheel
-//! sticks, load can move between neighbours as the patch grows or rolls; a new
-//! node starts without tangential force, and what the others must take over
-//! costs a creep of no more than force/penalty (50 nm for 50 kN), far below
-//! the springs' deflection.
+//! **Handing over.** The rail nodes lie so close that a wheel that slides passes many of them. A node that is
+//! about to touch knows the place of its foot on the wheel from the last step. Its tangential increment is
+//! then that of the whole step. While the wheel slides, a node that begins to carry load is at its friction
+//! limit at once, and nothing is lost. While the wheel sticks, load can move between neighbours as the patch
+//! grows or rolls. A new node starts without tangential force. The others take over the force, which costs a
+//! creep of no more than force/penalty (50 nm for 50 kN), far below the springs' deflection.
 //!
 //! **Spacing.** Between two nodes the polygon of nodes lies below the
 //! profile by h²/8 times the relative curvature, and the contact angle changes in

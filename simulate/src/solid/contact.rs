@@ -38,10 +38,12 @@ const ZONE_LIMIT: usize = 4;
 /// On a fine grid, where what the bodies move beyond their places stands in the gaps along the normals, half the square of this over
 /// a radius of a centimetre is left of a gap, a millionth of the approach of a loaded wheel; m.
 const PLACE_TOLERANCE: f64 = 1e-6;
-/// Spacing of the fine grid in time over that of the statics, whose pressures nobody sees here, as far as cells along the profile do not become
-/// larger than the largest ones of the statics: a patch that moves from crown to flange narrows over a jump in curvature, and on cells of twice
-/// that size the next finer ones changed the force by a tenth, which rang on from step to step. Against cells half as long in both directions P and Q
-/// of the published load case 4.1 change by 0.2 and 0.1 % of their peaks, the averaged Q/P by 0.004 (RMS of 60 ms, steps of 1/64 of the longest).
+/// Spacing of the fine grid in time over that of the statics. Pressures of a run in time are not shown. Cells
+/// along the profile do not become larger than the largest ones of the statics. A patch that moves from crown
+/// to flange narrows over a jump in curvature. On cells of twice that size the next finer ones changed the
+/// force by a tenth, which rang on from step to step. Against cells half as long in both directions P and Q
+/// of the published load case 4.1 change by 0.2 and 0.1 % of their peaks, the averaged Q/P by 0.004 (RMS of
+/// 60 ms, steps of 1/64 of the longest).
 const WIDER: f64 = 2.0;
 /// The wheel slides past the rail by as much before its far field is made again, m: it changes by some tenths of a
 /// per cent over that.

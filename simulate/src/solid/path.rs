@@ -1,10 +1,14 @@
 //! A rail as a wheel that moves along it meets it: its modes at every place, and what its flexibility has there that it has not in the middle.
 //!
-//! A condensed rail has its contact nodes in the middle, on small elements. What these elements resolve, the head under a patch, is the same wherever the wheel is; what differs from place to
-//! place, bending, torsion and the ends that hold sections, is smooth along the patch. So the window of contact nodes goes with the wheel, and the rail comes from a second solid, of equal
-//! elements along the whole rail with all of its running surface as contact nodes: its modes move these nodes, between them by splines along the rail and its profile, and the
-//! flexibility of the window's nodes is that of the middle with the difference of the second solid's between both places. Moved by whole elements, its own error in a patch is the same at both. Of the flexibility in
-//! the middle only what the nodes move against their section counts, so that bending and torsion are those of one solid everywhere.
+//! A condensed rail has its contact nodes in the middle, on small elements. They resolve the head under a
+//! patch, which is the same wherever the wheel is. Bending, torsion and the ends that hold sections differ
+//! from place to place. Their effect is smooth along the patch. So the window of contact nodes goes with the
+//! wheel. The rail comes from a second solid, of equal elements along the whole rail with all of its running
+//! surface as contact nodes. Its modes move these nodes, between them by splines along the rail and its
+//! profile. The flexibility of the window's nodes is that of the middle with the difference of the second
+//! solid's between both places. The window moves by whole elements, so that the second solid's own error in a
+//! patch is the same at both. Of the flexibility in the middle only the motion of the nodes against their
+//! section counts. Bending and torsion are then those of one solid everywhere.
 //!
 //! What remains of the flexibility beyond the modes is then, but for the detail under a patch, the second solid's own, which stores no negative energy at any place.
 

@@ -1,4 +1,4 @@
-//! How many modes a reduced run has, and what they are worth.
+//! How many modes a reduced run has, and their error.
 
 use super::beyond::Beyond;
 use super::load_case::{HubSprings, hub_motions, longest};
@@ -47,8 +47,8 @@ impl TransientModel<'_> {
     }
 }
 
-/// A run with as many modes as `count` says. Beside it the same is done with steps of the integration that are twice as long, which says what
-/// the steps are worth, its first time steps with fewer modes, and all of `other`, if there is such a load case.
+/// A run with as many modes as `count` says. Beside it the same is done with steps of the integration that are twice as long, which shows the
+/// error of the steps, its first time steps with fewer modes, and all of `other`, if there is such a load case.
 pub(super) fn run(
     model: &TransientModel<'_>,
     count: ModeCount,

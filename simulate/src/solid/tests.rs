@@ -406,8 +406,9 @@ fn energy_is_kept_while_a_bar_bounces() {
     }
 }
 
-/// Source: the balance itself, whose damping is that of modes and residual apart. Goal: of a damped bar that strikes a wall the balance of energy (J) drifts by
-/// the work of the contact forces over gaps that open or close within a step alone, F·v·Δt/2 at each end with the speed of a free end, twice that of the wave; a
+/// Source: the balance itself, whose damping is that of modes and residual apart. Goal: a damped bar strikes
+/// a wall. Its balance of energy (J) drifts only by the work of the contact forces over gaps that open or
+/// close within a step. That is F·v·Δt/2 at each end with the speed of a free end, twice that of the wave. A
 /// tenth of the energy is damped.
 #[test]
 fn what_a_damped_bar_loses_is_damping() {
@@ -482,9 +483,10 @@ fn a_falling_mass_follows_the_closed_solution() {
     }
 }
 
-/// Source: `analytic::drop`, energy and quadrature. Goal: displacement (m), force (N) and rebound (m/s) of the mass with adapted steps in
-/// time steps of a third of the contact, of which equal ones miss the rebound by more than twice the accuracy, and the contact begins and ends within one; two
-/// steps in the air. Accuracy: MODEL as above; DISCRETISATION, an eighth of the tolerance at both ends of the contact.
+/// Source: `analytic::drop`, energy and quadrature. Goal: displacement (m), force (N) and rebound (m/s) of
+/// the mass with adapted steps in time steps of a third of the contact. Equal steps miss the rebound by more
+/// than twice the accuracy. The contact begins and ends within one time step, and there are two steps in the
+/// air. Accuracy: MODEL as above; DISCRETISATION, an eighth of the tolerance at both ends of the contact.
 #[test]
 fn a_falling_mass_needs_short_steps_at_its_contact_alone() {
     const TOLERANCE: f64 = 0.02;

@@ -17,7 +17,7 @@ pub struct TransientRun {
     pub longer: Option<OtherRun>,
     /// The other load case of [`TransientModel::run_beside`](super::TransientModel::run_beside), if there is one.
     pub other: Option<OtherRun>,
-    /// The modes of reduced bodies, and what they are worth.
+    /// The modes of reduced bodies, and their error.
     pub reduction: Option<Reduction>,
 }
 

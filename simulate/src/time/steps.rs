@@ -237,8 +237,9 @@ mod tests {
     use super::*;
     use crate::time::newmark::{Motion, Newmark};
 
-    /// A mass of 1 kg and a spring without tension of `stiffness` (N/m), which the mass meets with 1 m/s at 0.3 of the first time step, in
-    /// `rows` time steps of `dt` (s): speed at the end (m/s), largest force (N), steps taken and tried.
+    /// Speed at the end (m/s), largest force (N), steps taken and tried of a mass of 1 kg on a spring without
+    /// tension of `stiffness` (N/m). The mass meets the spring with 1 m/s at 0.3 of the first time step. The
+    /// run has `rows` time steps of `dt` (s).
     fn strike(stiffness: f64, steps: InnerSteps, (rows, dt): (usize, f64)) -> (f64, f64, usize, usize) {
         let mut sequence = StepSequence::new(steps, 0.0);
         let [_, shortest] = steps.lengths(dt);

@@ -143,7 +143,7 @@ impl<'a> Solids<'a> {
     }
 
     /// The meshes with zones that reach as far as they have to by now; made for `work`, which must be within the budget.
-    /// They are the caller's until [`Solids::go_on_with`].
+    /// They are the caller's until [`Solids::set_meshes`].
     pub fn meshes(
         &mut self,
         engine: &mut Engine<'_>,
@@ -173,7 +173,7 @@ impl<'a> Solids<'a> {
     }
 
     /// Hands back the meshes that a run has ended with.
-    pub fn go_on_with(&mut self, meshes: Meshes) -> Reach {
+    pub fn set_meshes(&mut self, meshes: Meshes) -> Reach {
         let reach = Reach::of(meshes.options(), meshes.refinements(self.input.statics.mesh));
         self.meshes = Some(meshes);
         *self.reach.insert(reach)

@@ -124,7 +124,7 @@ pub struct SolidRunInput<'a> {
     /// The pair.
     #[serde(flatten)]
     pub pair: PairInput<'a>,
-    /// Whether it is tried on other grids and meshes, which say what it is worth.
+    /// Whether it is tried on other grids and meshes, which show its error.
     pub error_band: bool,
     /// The solid model in time.
     pub solid: &'a SolidKeys,

@@ -1,4 +1,4 @@
-//! The solid model in time with another grid of its contact and with other meshes: what these are worth.
+//! The solid model in time with another grid of its contact and with other meshes, which show the error of these.
 
 use railspring_calibrate::calibration::ContactField;
 use railspring_calibrate::mesh::MeshOptions;

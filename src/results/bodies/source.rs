@@ -78,7 +78,7 @@ impl BodySource<'_> {
         which: &str,
         modes: impl Fn(PairBody) -> usize + Sync,
     ) -> Result<CondensedPair> {
-        self.said(which, |say| {
+        self.with_notices(which, |say| {
             let get = |body| self.body(solids, body, modes(body), &|text| say(body, text));
             let said = (&*format!("superelements{which}"), self.monitor);
             let bodies = condense_all(said, PairBody::of_pair(self.foot_held), self.together, get)?;
@@ -108,7 +108,7 @@ impl BodySource<'_> {
     /// # Errors
     /// As [`Self::condensed`].
     pub fn moving(&self, solids: &PairSolids<'_>, which: &str, modes: usize) -> Result<MovingBodies> {
-        let [(_, wheel), (_, rail)] = self.said(which, |say| {
+        let [(_, wheel), (_, rail)] = self.with_notices(which, |say| {
             let get = |body| self.body(solids, body, modes, &|text| say(body, text));
             let bodies = [PairBody::Wheel, PairBody::RailOnEnds];
             let said = (&*format!("superelements{which}"), self.monitor);
@@ -142,7 +142,7 @@ impl BodySource<'_> {
     }
 
     /// What `make` makes; what it says of the bodies is said afterwards, in one order, whichever body is there first.
-    fn said<T>(
+    fn with_notices<T>(
         &self,
         which: &str,
         make: impl FnOnce(&(dyn Fn(PairBody, String) + Sync)) -> Result<T>,

@@ -1,8 +1,9 @@
 //! How far the contact zone of the meshes reaches: as far as the contact goes.
 //!
-//! The zone of the study carries what it can. A contact window of the program's own choice is made as long as the
-//! Hertz patch of the largest load asks for before anything is meshed; where a run reaches the end of the zone, it is
-//! made larger, the bodies are meshed again, and the run starts again.
+//! The contact zone of the study, made larger where a run needs it. A contact window of the program's own
+//! choice is as long as the Hertz patch of the largest load asks for. It is chosen before anything is meshed.
+//! Where a run reaches the end of the zone, the zone is made larger, the bodies are meshed again, and the run
+//! starts again.
 
 use railspring_calibrate::analytic::hertz::point_contact;
 use railspring_calibrate::calibration::LARGEST_NORMAL;
@@ -203,13 +204,13 @@ fn contact_modulus(statics: Statics<'_>) -> f64 {
 }
 
 /// The end of a contact zone that a contact has reached.
-pub struct Reached {
+pub struct ZoneLimit {
     end: SurfaceEnd,
     /// When or under which load, in words.
     cause: String,
 }
 
-impl Reached {
+impl ZoneLimit {
     /// The end that numerics have stopped at, if it is that.
     pub fn by(cause: &NumericsError) -> Option<Self> {
         Some(Self { end: SurfaceEnd::of(cause.reason)?, cause: cause.to_string() })
@@ -225,7 +226,7 @@ impl Reached {
 }
 
 /// What work within the contact zones has come to.
-pub struct Within<T> {
+pub struct ZonedResult<T> {
     /// Its result.
     pub result: T,
     /// Whether there would be more of it, had larger meshes not been refused: then it does not follow from the study alone.
@@ -246,17 +247,17 @@ pub fn within_zones<T>(
     monitor: &dyn Monitor,
     accept: impl Fn(&Meshes) -> Result<()>,
     work: impl Fn(&Meshes) -> Result<T>,
-    reached: impl Fn(&T) -> Option<Reached>,
-) -> Result<Within<T>> {
-    let whole = |result| Within { result, refused: false };
+    reached: impl Fn(&T) -> Option<ZoneLimit>,
+) -> Result<ZonedResult<T>> {
+    let whole = |result| ZonedResult { result, refused: false };
     for extension in 0..EXTENSIONS {
         let done = work(meshes);
         let at_the_end = match &done {
             Ok(result) => reached(result),
-            Err(Error::Numerics(cause)) => Reached::by(cause),
+            Err(Error::Numerics(cause)) => ZoneLimit::by(cause),
             Err(_) => None,
         };
-        let Some(Reached { end, cause }) = at_the_end else { return done.map(whole) };
+        let Some(ZoneLimit { end, cause }) = at_the_end else { return done.map(whole) };
         let Some(next) = enlarged(statics, geometry, meshes, (end, extension)) else {
             return done.map(whole);
         };
@@ -264,7 +265,7 @@ pub fn within_zones<T>(
             (Ok(()), _) => {}
             (Err(refusal @ Error::Input(_)), Ok(result)) => {
                 monitor.notice(&format!("{cause}; a larger contact zone is refused: {refusal}"));
-                return Ok(Within { result, refused: true });
+                return Ok(ZonedResult { result, refused: true });
             }
             (Err(refusal), _) => return Err(refusal),
         }

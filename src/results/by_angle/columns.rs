@@ -18,7 +18,7 @@ struct At<'a> {
 }
 
 impl<'a> At<'a> {
-    /// What the solid is worth there.
+    /// Error band of the solid there.
     fn band(&self) -> Option<&'a BandPointRecord> {
         self.shift.band(&self.law?.reference, self.load?.force_kn)
     }

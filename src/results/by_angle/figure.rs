@@ -1,4 +1,4 @@
-//! The figure of the laws by contact angle, and the table of what they are worth.
+//! The figure of the laws by contact angle, and the table of their error bands.
 
 use plotters::prelude::*;
 use serde::Serialize;
@@ -116,9 +116,9 @@ fn published_secants(laws: &StiffnessByAngleRecord) -> String {
     )
 }
 
-/// What the laws are worth, as the page shows it.
+/// Error bands of the laws, as the page shows them.
 #[derive(Debug, Serialize)]
-pub struct Worth {
+pub struct LawErrors {
     /// What the laws are measured against, of each two columns after the third.
     against: Vec<&'static str>,
     /// Shift, mm, contact angle and largest load of the law, kN; then the largest band of displacement and of tangent over the fixed
@@ -129,7 +129,7 @@ pub struct Worth {
 }
 
 /// The error bands of the shifts that have a law, if there are any.
-pub fn worth(laws: &StiffnessByAngleRecord) -> Option<Worth> {
+pub fn law_errors(laws: &StiffnessByAngleRecord) -> Option<LawErrors> {
     let banded = || laws.shifts.iter().filter_map(|shift| Some((shift, shift.error_band.as_ref()?)));
     banded().next()?;
     let none = || "\u{2013}".to_string();
@@ -151,7 +151,7 @@ pub fn worth(laws: &StiffnessByAngleRecord) -> Option<Worth> {
         (!parts.is_empty()).then(|| format!("Shift {at} mm: {parts}"))
     };
     let with_law = laws.shifts.iter().filter(|shift| !shift.laws.is_empty());
-    Some(Worth {
+    Some(LawErrors {
         against: panels(laws).into_iter().map(|(.., column)| column).collect(),
         rows: with_law.map(row).collect(),
         missing: banded().filter_map(missing).collect(),
@@ -252,7 +252,7 @@ mod tests {
         let points: usize = laws.shifts.iter().map(|shift| shift.loads.len()).sum();
         assert_eq!(bars(&laws), PANELS.len() * points);
         assert!(caption(&laws).contains("The bars are the error bands."));
-        let table = worth(&laws).unwrap();
+        let table = law_errors(&laws).unwrap();
         assert_eq!(table.rows.len(), laws.shifts.iter().filter(|shift| !shift.laws.is_empty()).count());
         // local first, as the panels; the widest band is that of the smallest load, 20 kN: 0.02/√20 + 0.004, and twice the first + 0.01
         let percent = ["0.85", "1.9"];
@@ -262,11 +262,11 @@ mod tests {
         let band = laws.shifts[1].error_band.as_mut().unwrap();
         band.missing = vec!["coarser meshes: the contact reached the end".into()];
         band.references.iter_mut().for_each(|of| (of.displacement, of.tangent) = (None, None));
-        let table = worth(&laws).unwrap();
+        let table = law_errors(&laws).unwrap();
         assert_eq!(table.rows[0][3..], ["\u{2013}"; 6]);
         assert_eq!(table.missing, ["Shift 0 mm: coarser meshes: the contact reached the end"]);
         laws.shifts.iter_mut().for_each(|shift| shift.error_band = None);
         assert_eq!(bars(&laws), 0);
-        assert!(worth(&laws).is_none() && !caption(&laws).contains("bars"));
+        assert!(law_errors(&laws).is_none() && !caption(&laws).contains("bars"));
     }
 }

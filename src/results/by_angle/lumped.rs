@@ -41,12 +41,12 @@ pub struct LumpedRecord {
     pub displacement: Option<HubDeviationRecord>,
     /// What of the motions of rim and head a section that moves without distortion does not have, relative.
     pub section_misfit: [f64; 2],
-    /// What the constants are worth; left out where the study wants no error bands.
+    /// Error band of the constants; left out where the study wants no error bands.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error_band: Option<LumpedBandRecord>,
 }
 
-/// How far the constants of hub, oscillators and bushing change on bodies of elements twice as large. The strips are worth what the laws by contact angle are that they are fitted to.
+/// How far the constants of hub, oscillators and bushing change on bodies of elements twice as large. The strips have the error bands of the laws by contact angle that they are fitted to.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct LumpedBandRecord {
     /// Edge of the contact elements of the coarser meshes, mm; none where there are none.

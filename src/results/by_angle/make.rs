@@ -36,9 +36,10 @@ use crate::results::springs::record::StiffnessRecord;
 use crate::study::{Statics, with_keys};
 use crate::version;
 
-/// The laws of the pair at the shifts of the study on the condensed bodies of its calibration, with their error bands where the study wants
-/// them, and the statics of both contact elements beside them, those of the published one with the calibrated springs `stiffness`: `coarser` has the edge of the contact elements of those bodies, m, and the bodies of coarser meshes beside them, or why there are
-/// none.
+/// The laws of the pair at the shifts of the study on the condensed bodies of its calibration, with their
+/// error bands where the study wants them. The statics of both contact elements stand beside them, those of
+/// the published one with the calibrated springs `stiffness`. `coarser` has the edge of the contact elements
+/// of those bodies, m, and the bodies of coarser meshes or the reason why there are none.
 ///
 /// # Errors
 /// Loads that cannot be used, an interruption, and those of `coarser`; a shift without a law is an entry with its reason, and so is a
@@ -146,7 +147,7 @@ pub fn place(
     Ok(shift_record(shift, law, bands.and_then(|mut bands| bands.remove(0))))
 }
 
-/// What laws at the fixed loads are worth, on a finer grid, on the bodies of coarser meshes and by the scatter of measured profiles.
+/// Error bands of laws at the fixed loads, on a finer grid, on the bodies of coarser meshes and by the scatter of measured profiles.
 ///
 /// # Errors
 /// An interruption.
@@ -164,7 +165,7 @@ fn bands(
     Ok(changed.into_iter().map(|changed| changed.map(band)).collect())
 }
 
-/// What the constants of the lumped element are worth, by the bodies of coarser meshes beside its own.
+/// Error band of the constants of the lumped element, by the bodies of coarser meshes beside its own.
 fn lumped_band(geometry: &Geometry, bodies: &ElementBodies<'_>, coarser: &CoarserBodies) -> LumpedBandRecord {
     let changes = match coarser {
         Ok(coarser) => ElementBodies::new(&geometry.pair, &coarser.bodies, geometry.beam.length())
@@ -316,8 +317,9 @@ fn hub_statics(at: HubStatics) -> ([f64; 3], f64) {
     (hub_values(&at.flexibility), at.displacement / MILLIMETRE)
 }
 
-/// Enters how the hubs of both contact elements stand under the fixed loads of shifts with the tape circle at `places` (y, m), where they carry them: of a condensed
-/// element, and of the published one with its springs and the mass of its wheel (kg), whose values stay as they are without springs.
+/// Enters the statics of the hubs of both contact elements under the fixed loads of shifts, where they carry
+/// them. The tape circle is at `places` (y, m). The published element has its springs and the mass of its
+/// wheel (kg). Its values stay unchanged without springs.
 fn enter_statics(
     statics: Statics<'_>,
     geometry: &Geometry,

@@ -73,7 +73,7 @@ pub struct ShiftRecord {
     /// or where a load is missing.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub published_secant_ratio: Option<f64>,
-    /// What displacement and tangent at the fixed loads are worth; none where the study does not ask, or no fixed load lies in the range.
+    /// Error band of displacement and tangent at the fixed loads; none where the study does not ask, or no fixed load lies in the range.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error_band: Option<ErrorBandRecord>,
     /// Why there is no law, or why it ends before the largest load.
@@ -148,7 +148,7 @@ pub struct FixedLoadRecord {
     pub horizontal_kn_per_m: f64,
     /// The same across the contact normal, the force along it constant, kN/m.
     pub tangential_kn_per_m: f64,
-    /// Part of the lateral compliance, `1 / horizontal_kn_per_m`, that lies in the contact itself, µm/kN; none in files of before.
+    /// Part of the lateral compliance, `1 / horizontal_kn_per_m`, that lies in the contact itself, µm/kN; none in files written by older versions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lateral_contact_um_per_kn: Option<f64>,
     /// Contact area, mm².
@@ -167,7 +167,7 @@ pub struct FixedLoadRecord {
     pub max_shear_mpa: Option<f64>,
     /// Its depth, mm.
     pub shear_depth_mm: Option<f64>,
-    /// What the values of the patch are worth; none for a contact between elements.
+    /// Error bands of the values of the patch; none for a contact between elements.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub patch_error_band: Option<PatchBandRecord>,
 }
@@ -230,7 +230,7 @@ impl ShiftRecord {
         self.touch.map(|touch| touch.contact_angle_deg)
     }
 
-    /// What the solid is worth against a reference at a fixed load, kN.
+    /// Error band of the solid against a reference at a fixed load, kN.
     pub fn band(&self, reference: &str, force_kn: f64) -> Option<&BandPointRecord> {
         let band = self.error_band.as_ref()?.of(reference)?;
         band.points.iter().find(|point| point.force_kn == force_kn)

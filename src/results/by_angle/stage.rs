@@ -8,7 +8,7 @@ use super::columns;
 use crate::engine::list::NewFile;
 use crate::engine::output::to_json;
 use crate::engine::seal::Sealed;
-use crate::engine::stage::{Engine, Made, Stage};
+use crate::engine::stage::{Engine, Stage, StageOutput};
 use crate::engine::store::{Address, Artefact};
 use crate::results::bodies::in_work::Solids;
 use crate::results::bodies::solids;
@@ -37,7 +37,7 @@ impl Stage for ByAngle<'_, '_> {
         Ok(self.input.address(self.solids.reach()?))
     }
 
-    fn make(&mut self, engine: &mut Engine<'_>) -> Result<Made> {
+    fn make(&mut self, engine: &mut Engine<'_>) -> Result<StageOutput> {
         let at = &mut *self.solids;
         let geometry = at.geometry()?;
         let (statics, monitor) = (at.input.statics, at.resources.monitor);
@@ -47,7 +47,7 @@ impl Stage for ByAngle<'_, '_> {
                 let meshes = at.meshes(engine, Solids::calibration_work)?;
                 let solids = solids::solids(statics, &geometry, &meshes);
                 let bodies = Arc::new(at.body_source().condensed(&solids, "", at.input.modes)?);
-                at.go_on_with(meshes);
+                at.set_meshes(meshes);
                 bodies
             }
         };
@@ -56,14 +56,14 @@ impl Stage for ByAngle<'_, '_> {
             let meshes = at.meshes(engine, Solids::calibration_work)?;
             let coarser = at.coarser(&geometry, &meshes)?;
             let element = meshes.contact_element();
-            at.go_on_with(meshes);
+            at.set_meshes(meshes);
             Ok((element, coarser))
         };
         let laws = make::by_angle(&self.input, &geometry, &bodies, self.stiffness, coarser, monitor)?;
         // the runs on the solids take them next
         at.condensed = (at.input.modes > 0).then_some(bodies);
         let rows = columns::rows(&laws);
-        Ok(Made::whole(Artefact::default().with(BY_ANGLE, to_json(&laws)).with(BY_ANGLE_ROWS, rows)))
+        Ok(StageOutput::whole(Artefact::default().with(BY_ANGLE, to_json(&laws)).with(BY_ANGLE_ROWS, rows)))
     }
 
     fn value(&mut self, artefact: &Artefact, key: &str) -> Result<StiffnessByAngleRecord> {

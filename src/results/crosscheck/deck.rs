@@ -76,8 +76,9 @@ impl Deck<'_> {
         Ok(out)
     }
 
-    /// The text of a deck for CalculiX of both bodies apart, each under lateral forces (node of its mesh, N), with the displacement of the
-    /// loaded nodes printed for the rail and then for the wheel; the number of a node is that of the body's mesh, the wheel's after the rail's.
+    /// The text of a deck for CalculiX of both bodies apart, each under lateral forces (node of its mesh, N).
+    /// It prints the displacement of the loaded nodes for the rail and then for the wheel. The number of a
+    /// node is that of the body's mesh, the wheel's after the rail's.
     pub fn lateral_text(&self, forces: [&[(usize, f64)]; 2]) -> String {
         let (mut out, hub) = self.bodies(Format::Calculix);
         let _ = writeln!(out, "*BOUNDARY\nHELD, 1, 3\n{hub}, 1, 3\n{}, 1, 3", hub + 1);

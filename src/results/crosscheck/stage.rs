@@ -4,7 +4,7 @@ use railspring_profiles::error::Result;
 
 use crate::engine::list::NewFile;
 use crate::engine::output::{OutputFolder, to_json};
-use crate::engine::stage::{Engine, Made, Stage};
+use crate::engine::stage::{Engine, Stage, StageOutput};
 use crate::engine::store::{Address, Artefact};
 use crate::results::bodies::estimate::Resources;
 use crate::results::crosscheck::exchange::Case;
@@ -37,12 +37,12 @@ impl Stage for Crosscheck<'_> {
         Ok(self.input.address(&cases, self.solvers.versions()))
     }
 
-    fn make(&mut self, engine: &mut Engine<'_>) -> Result<Made> {
+    fn make(&mut self, engine: &mut Engine<'_>) -> Result<StageOutput> {
         let folder = OutputFolder::create(&engine.folder.file(EXCHANGE_FOLDER), engine.folder.inputs())?;
         let (record, differences) =
             crosscheck(&self.input, &folder, self.cases, self.solvers, &self.resources)?;
         let artefact = Artefact::default().with(CROSSCHECK, to_json(&record));
-        Ok(Made::whole(artefact.with(DIFFERENCES, to_json(&differences))))
+        Ok(StageOutput::whole(artefact.with(DIFFERENCES, to_json(&differences))))
     }
 
     fn value(&mut self, artefact: &Artefact, _: &str) -> Result<CrosscheckRecord> {

@@ -136,7 +136,8 @@ fn of_solution(data: &ReportData<'_>, crosscheck: &Value) -> Vec<Row> {
     for (n, judged) in data.verdict.scenarios.iter().enumerate() {
         let at = format!("scenario-{}", n + 1);
         rows.extend(
-            worth(judged).map(|value| row("Steps, meshes and inputs of a load case", value, at.clone())),
+            uncertainty(judged)
+                .map(|value| row("Steps, meshes and inputs of a load case", value, at.clone())),
         );
         rows.extend(models(judged).map(|value| row("Simple beside solid model", value, at)));
     }
@@ -151,8 +152,8 @@ fn of_solution(data: &ReportData<'_>, crosscheck: &Value) -> Vec<Row> {
     rows
 }
 
-/// What the models of a load case are worth themselves, RMS of P and Q over the solid's peak.
-fn worth(judged: &ScenarioVerdict) -> Option<String> {
+/// Numerical uncertainty of the models of a load case, RMS of P and Q over the solid's peak.
+fn uncertainty(judged: &ScenarioVerdict) -> Option<String> {
     let of = |quantity: &str| judged.lines.iter().find(|line| line.quantity == quantity);
     let both = [of("vertical_rms")?, of("lateral_rms")?];
     let pair = |take: fn(&Line) -> Option<f64>| {
@@ -162,8 +163,8 @@ fn worth(judged: &ScenarioVerdict) -> Option<String> {
     Some(format!(
         "{}: solid model {}; simple model {} (RMS over the peak)",
         judged.scenario,
-        pair(|line| line.solid_worth),
-        pair(|line| line.simple_worth)
+        pair(|line| line.solid_uncertainty),
+        pair(|line| line.simple_uncertainty)
     ))
 }
 
@@ -275,7 +276,7 @@ fn check(of: &Check) -> Value {
         "source": of.source,
         "found": in_digits(of.found),
         "expected": in_digits(of.expected),
-        "off": format!("{:+.1e}", of.off()),
+        "off": format!("{:+.1e}", of.relative_error()),
         "tolerance": format!("{:.1e}", of.tolerance),
         "holds": of.holds(),
     })

@@ -118,11 +118,11 @@ pub fn build(data: &ReportData<'_>) -> Report {
             "forms": forms_figure::table(&stiffness),
             "horizontal": first_screen::horizontal(&stiffness),
             "shortened": stiffness.shortened(),
-            "worth": tables::worth(&stiffness),
+            "law_errors": tables::law_errors(&stiffness),
             "uncertainty": uncertainty_figure::table(&stiffness),
             "assumed": tables::assumed(&stiffness),
             "assumed_bodies": assumed_bodies,
-            "worth_by_angle": data.by_angle.and_then(by_angle::figure::worth),
+            "law_errors_by_angle": data.by_angle.and_then(by_angle::figure::law_errors),
             "lumped": data.by_angle.and_then(|laws| laws.lumped.as_ref()).map(by_angle::lumped_table::table),
             "scenarios": scenarios,
             "crosscheck": chapter,
@@ -168,7 +168,7 @@ fn scenario(run: &ScenarioRun<'_>, data: &ReportData<'_>, collected: &mut Collec
         "ratio",
         figures_of_run::ratio(run, data.ratio_window),
         format!(
-            "Derailment coefficient Q/P: Q and P averaged over a window of time before they are divided. Gaps: too little vertical force in the window for a ratio, beside what the forces are worth.{band}{until}"
+            "Derailment coefficient Q/P: Q and P averaged over a window of time before they are divided. Gaps: too little vertical force in the window for a ratio, beside the uncertainty of the forces.{band}{until}"
         ),
     );
     add("wheel", figures_of_run::wheel(run), "Displacement of the wheel centre.".into());

@@ -5,7 +5,7 @@ use railspring_profiles::error::Result;
 use super::build;
 use crate::engine::list::{Entry, NewFile, Results};
 use crate::engine::output::OutputFolder;
-use crate::engine::stage::{Engine, Made, Stage};
+use crate::engine::stage::{Engine, Stage, StageOutput};
 use crate::engine::store::{Address, Artefact, Kind};
 use crate::results::bodies::geometry;
 use crate::results::bodies::in_work::Solids;
@@ -57,7 +57,7 @@ impl<'s> Stage for Report<'s, '_> {
         false
     }
 
-    fn make(&mut self, engine: &mut Engine<'_>) -> Result<Made> {
+    fn make(&mut self, engine: &mut Engine<'_>) -> Result<StageOutput> {
         let geometry = self.solids.geometry()?;
         let input = &self.input;
         let profiles = geometry::profiles(&geometry);
@@ -131,7 +131,7 @@ impl<'s> Stage for Report<'s, '_> {
         let built = build::build(&data);
         let figures = built.figures.into_iter().map(|(name, svg)| (format!("{FIGURES}{name}.svg"), svg));
         let artefact = figures.fold(Artefact::default(), |all, (name, svg)| all.with(name, svg));
-        Ok(Made::whole(artefact.with(REPORT, built.html)))
+        Ok(StageOutput::whole(artefact.with(REPORT, built.html)))
     }
 
     fn value(&mut self, _: &Artefact, _: &str) -> Result<()> {

@@ -65,7 +65,7 @@ impl Departing<'_> {
         let steps = input.simulation.steps(model.element());
         let scenario = Scenario {
             friction: (case.friction + departure.friction).max(0.0),
-            // the steps that say what those of the published element are worth; each of its steps costs four times one of the others
+            // the steps that show the error of those of the published element; each of its steps costs four times one of the others
             inner_steps: match model.element() {
                 ContactElementKey::Published => steps.doubled(),
                 ContactElementKey::Condensed | ContactElementKey::Lumped => steps,

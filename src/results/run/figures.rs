@@ -39,7 +39,7 @@ pub struct ScenarioRun<'a> {
     pub elements: Vec<ModelRun<'a>>,
     /// The solid model's run, if it ran.
     pub solid: Option<ModelRun<'a>>,
-    /// What the solid's run is worth at each of its times, if that is known.
+    /// The numerical uncertainty of the solid's run at each of its times, if that is known.
     pub band: Option<Band>,
     /// The simple model with inputs that are not known exactly, if it ran.
     pub uncertain: Option<&'a UncertainRun>,
@@ -129,7 +129,7 @@ pub fn band_caption(run: &ScenarioRun<'_>) -> String {
     });
     let parts: Vec<String> = steps.into_iter().chain(input).collect();
     let squares = if parts.len() == 2 { "the root of the squares of " } else { "" };
-    format!(" Band: what the solid is worth itself, {squares}{}.", parts.join(" and "))
+    format!(" Band: the numerical uncertainty of the solid, {squares}{}.", parts.join(" and "))
 }
 
 /// What the figures show of the band by the inputs, as a sentence; empty without one.
@@ -161,7 +161,7 @@ fn curves(
             (*x, [y - width, y + width])
         };
         let ends: Vec<(f64, [f64; 2])> = solid.iter().zip(width(band)).map(around).collect();
-        Series::band("what the solid is worth", &ends, PALE_BLUE)
+        Series::band("uncertainty of the solid", &ends, PALE_BLUE)
     });
     let mut series: Vec<Series> = by_inputs.chain(band).collect();
     // thin, so that the band is seen beside it

@@ -185,8 +185,9 @@ fn number(value: f64) -> String {
 /// Reads a history back; the degrees of freedom and how the run ended are not in the file.
 ///
 /// # Errors
-/// [`InputError`] whose key is the path with the line, if the file has another content: other columns, no row, a value
-/// that is not a finite number, a time that is not after that of the row before, cells of a row that contradict each other.
+/// [`InputError`] whose key is the path with the line, if the file has another content. That is other
+/// columns, no row, or a value that is not a finite number. It is also a time that is not after that of the
+/// row before, and cells of a row that contradict each other.
 pub fn read(path: &Path, text: &str, degrees_of_freedom: usize, ending: Ending) -> Result<History> {
     let broken = |row: u64, what: String| -> railspring_profiles::error::Error {
         InputError::new(

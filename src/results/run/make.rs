@@ -23,7 +23,7 @@ use crate::results::bodies::other_solids::{CoarserContact, OtherSolids, path_on}
 use crate::results::bodies::solids::MovingBodies;
 use crate::results::run::input::SimpleRunInput;
 use crate::study::{ContactElementKey, SlidingMatrixKey, TransientKey};
-use crate::verify::{ModelChange, Spread, StepChange, Worth, disturbed};
+use crate::verify::{ModelChange, NumericalUncertainty, Spread, StepChange, disturbed};
 
 /// The springs and the mass that the simple model runs with.
 #[derive(Debug, Clone)]
@@ -89,8 +89,8 @@ impl SimpleModel {
         }
     }
 
-    /// Other steps that say what those of a run are worth. The condensed model's longest ones are as long as its scheme is of fourth order: with twice the length it is not, and the change is ten times the
-    /// error. Those of the published element are worth as much in either direction, and longer ones take less time; where the history has no longer ones they are half as long.
+    /// Other steps, which show the error of those of a run. The condensed model's longest ones are as long as its scheme is of fourth order: with twice the length it is not, and the change is ten times the
+    /// error. With the published element the change is as large in either direction, and longer ones take less time; where the history has no longer ones they are half as long.
     fn other_steps(&self, steps: InnerSteps) -> InnerSteps {
         match self {
             Self::Published(_) if steps.doubled() != steps => steps.doubled(),
@@ -126,17 +126,18 @@ pub fn model_of_solids(
     Ok(CondensedModel::of_pair(pair, beam.corrected(correction)?, damped.each_ref(), element))
 }
 
-/// What a run is worth, and the run with an input that is 0.1 % larger, if it could be done.
-pub struct Tried {
-    /// What the run is worth.
-    pub worth: Worth,
+/// The numerical uncertainty of a run, and the run with an input that is 0.1 % larger, if it could be done.
+pub struct RunWithErrors {
+    /// The numerical uncertainty of the run.
+    pub uncertainty: NumericalUncertainty,
     /// The run with the larger input.
     pub disturbed: Option<History>,
 }
 
-impl Tried {
-    /// From the run of a load case to those with other steps, with a larger input, of which `more_of` says which it is, and of other
-    /// models, each with what it has; these have the steps of the history, or of the longer ones where `models_have_longer_steps`.
+impl RunWithErrors {
+    /// The changes from the run of a load case to other runs, each with its changes: those with other steps,
+    /// with a larger input, which `more_of` names, and of other models. These have the steps of the history,
+    /// or of the longer ones where `models_have_longer_steps`.
     fn new(
         scenario: &Scenario,
         history: &History,
@@ -159,7 +160,7 @@ impl Tried {
             change.map_err(|reason| format!("what a run with {with} changes is not known: {reason}"))
         };
         let discretisation = models.into_iter().map(changed).collect();
-        Self { worth: Worth { steps, spread, discretisation }, disturbed }
+        Self { uncertainty: NumericalUncertainty { steps, spread, discretisation }, disturbed }
     }
 }
 
@@ -200,7 +201,7 @@ impl Monitor for Share<'_> {
     }
 }
 
-/// The simple model under a load case, and what that run is worth.
+/// The simple model under a load case, and the uncertainty of that run.
 ///
 /// # Errors
 /// Newton iterations that do not converge.
@@ -209,7 +210,7 @@ pub fn simulate(
     geometry: &Geometry,
     springs: &Springs,
     monitor: &dyn Monitor,
-) -> Result<(History, Tried)> {
+) -> Result<(History, RunWithErrors)> {
     let model = SimpleModel::new(input, &geometry.pair, &geometry.beam, springs)?;
     let progress = Shared { monitor, done: AtomicUsize::new(0) };
     let run = |scenario: &Scenario| model.run(scenario, &progress.share());
@@ -239,17 +240,18 @@ pub fn simulate(
         (Some(run), Some((_, more_of))) => (or_reason(run)?, *more_of),
         _ => (Err(NO_LOAD.into()), ""),
     };
-    let tried = Tried::new(&scenario, &history, (inner_steps, other), (more_of, larger), (false, models));
+    let tried =
+        RunWithErrors::new(&scenario, &history, (inner_steps, other), (more_of, larger), (false, models));
     Ok((history, tried))
 }
 
-/// Elements of the rail beam in the run that says what they are worth, over those of the model.
+/// Elements of the rail beam in the run that shows their error, over those of the model.
 const FINER_BEAM: usize = 2;
 
 /// Most modes that are asked for; with these a run goes on whatever the estimate of their error says.
 const MOST_MODES: usize = 4 * START_MODES;
 
-/// The solid model under the same load case, and what that run is worth; `bodies` gives those of the meshes with so many modes, and `coarser` those of
+/// The solid model under the same load case, and the uncertainty of that run; `bodies` gives those of the meshes with so many modes, and `coarser` those of
 /// coarser contact elements.
 ///
 /// # Errors
@@ -261,7 +263,7 @@ pub fn simulate_solid(
     bodies: &dyn Fn(usize) -> Result<Arc<MovingBodies>>,
     coarser: &(dyn Fn(usize) -> Result<CoarserContact> + Sync),
     monitor: &dyn Monitor,
-) -> Result<(TransientRun, Tried)> {
+) -> Result<(TransientRun, RunWithErrors)> {
     let pair = &geometry.pair;
     let contact = input.pair.contact.of_solids();
     let scenario = Scenario { inner_steps: input.solid.steps(), ..input.case.clone() };
@@ -316,8 +318,13 @@ pub fn simulate_solid(
     Ok((run, tried))
 }
 
-/// What a run of the solid model is worth: what the longer steps and the larger input of the runs beside it change.
-fn tried(scenario: &Scenario, run: &TransientRun, more_of: &str, models: Vec<(String, OtherRun)>) -> Tried {
+/// The numerical uncertainty of a run of the solid model: what the longer steps and the larger input of the runs beside it change.
+fn tried(
+    scenario: &Scenario,
+    run: &TransientRun,
+    more_of: &str,
+    models: Vec<(String, OtherRun)>,
+) -> RunWithErrors {
     let longer = run.longer.clone().unwrap_or_else(|| {
         // half the length would take twice as long as the run
         Err("`solid.inner_steps` is 1; of more, half as many are tried as well".into())
@@ -328,7 +335,7 @@ fn tried(scenario: &Scenario, run: &TransientRun, more_of: &str, models: Vec<(St
             None => "bodies at full order would take as long again".into(),
         })
     });
-    Tried::new(
+    RunWithErrors::new(
         scenario,
         &run.history,
         (scenario.inner_steps.doubled(), longer),

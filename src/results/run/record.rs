@@ -17,7 +17,7 @@ use crate::results::springs::form::NormalLawRecord;
 use crate::results::springs::record::BeamFactors;
 use crate::rounding::significant;
 use crate::study::ContactElementKey;
-use crate::verify::{ModelChange, ModelRun, Spread, StepChange, Worth};
+use crate::verify::{ModelChange, ModelRun, NumericalUncertainty, Spread, StepChange};
 
 /// The run that a history is of, as a note beside its file.
 pub const RUN_NOTE: &str = "run";
@@ -63,30 +63,30 @@ impl RunRecord {
     pub fn new(
         history: &History,
         springs: Option<&SpringsRecord>,
-        worth: Worth,
+        uncertainty: NumericalUncertainty,
         mut notes: Vec<String>,
     ) -> Self {
         let model = if springs.is_some() { "simple model" } else { "solid model" };
         notes.extend(lost_contact(history).map(|lost| format!("{model}: {lost}")));
-        notes.push(match &worth.steps {
+        notes.push(match &uncertainty.steps {
             Ok(change) => format!("{model}: {change}"),
             Err(reason) => format!("{model}: what steps of another length change is not known: {reason}"),
         });
-        notes.push(match &worth.spread {
+        notes.push(match &uncertainty.spread {
             Ok(change) => format!("{model}: {change}"),
             Err(reason) => {
                 format!("{model}: what an input that is 0.1 % larger changes is not known: {reason}")
             }
         });
-        notes.extend(worth.discretisation.iter().map(|of| match of {
+        notes.extend(uncertainty.discretisation.iter().map(|of| match of {
             Ok(change) => format!("{model}: {change}"),
             Err(reason) => format!("{model}: {reason}"),
         }));
         Self {
             springs: springs.cloned(),
-            step_change: worth.steps.ok(),
-            spread: worth.spread.ok(),
-            discretisation: worth.discretisation.into_iter().filter_map(Result::ok).collect(),
+            step_change: uncertainty.steps.ok(),
+            spread: uncertainty.spread.ok(),
+            discretisation: uncertainty.discretisation.into_iter().filter_map(Result::ok).collect(),
             notes,
             ..Self::bare(history)
         }
@@ -110,7 +110,11 @@ impl RunRecord {
     }
 
     /// The record of a run of the solid model.
-    pub fn of_solid(history: &History, reduction: Option<&Reduction>, worth: Worth) -> Self {
+    pub fn of_solid(
+        history: &History,
+        reduction: Option<&Reduction>,
+        uncertainty: NumericalUncertainty,
+    ) -> Self {
         let record = reduction.map(ReductionRecord::from);
         let unknown = reduction.filter(|reduction| reduction.time == 0.0).map(|_| {
             "solid model: what other modes change is not known: a run with them ended in its first time step".into()
@@ -125,11 +129,11 @@ impl RunRecord {
         });
         Self {
             reduction: record,
-            ..Self::new(history, None, worth, notes.into_iter().chain(unknown).collect())
+            ..Self::new(history, None, uncertainty, notes.into_iter().chain(unknown).collect())
         }
     }
 
-    /// The run of a history, and the disturbed one if there is one, with what it is worth.
+    /// The run of a history, and the disturbed one if there is one, with its uncertainty.
     pub fn model<'a>(&'a self, history: &'a History, disturbed: Option<&'a History>) -> ModelRun<'a> {
         ModelRun {
             history,
@@ -176,7 +180,7 @@ fn lost_contact(history: &History) -> Option<String> {
     ))
 }
 
-/// The modes of a reduced solid model, and what they are worth.
+/// The modes of a reduced solid model, and their error.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ReductionRecord {
     /// Modes of the rail.
@@ -328,9 +332,12 @@ mod tests {
     #[test]
     fn a_wheel_that_does_not_come_back_is_said() {
         let notes = |history: &History| {
-            let worth =
-                || Worth { steps: Err("no".into()), spread: Err("no".into()), discretisation: Vec::new() };
-            RunRecord::new(history, None, worth(), Vec::new()).notes
+            let uncertainty = || NumericalUncertainty {
+                steps: Err("no".into()),
+                spread: Err("no".into()),
+                discretisation: Vec::new(),
+            };
+            RunRecord::new(history, None, uncertainty(), Vec::new()).notes
         };
         let lost = run(&[false, true, true, false, true, false, false]);
         let said = "solid model: no contact from 0.0025 s on: at the end, at 0.003 s, the wheel is 0.2000 mm above its last contact and rises at 0.200 m/s";

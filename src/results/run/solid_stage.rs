@@ -13,7 +13,7 @@ use serde_json::Value;
 use crate::engine::list::NewFile;
 use crate::engine::measure::Stopwatch;
 use crate::engine::output::to_json;
-use crate::engine::stage::{Engine, Made, Stage};
+use crate::engine::stage::{Engine, Stage, StageOutput};
 use crate::engine::store::{Address, Artefact, Store};
 use crate::results::bodies::estimate::{Budget, Work};
 use crate::results::bodies::geometry::Geometry;
@@ -24,19 +24,19 @@ use crate::results::bodies::other_solids;
 use crate::results::bodies::reach::Reach;
 use crate::results::bodies::solids::{self, MovingBodies};
 use crate::results::bodies::source::BodySource;
-use crate::results::bodies::zones::{self, Reached, Within};
+use crate::results::bodies::zones::{self, ZoneLimit, ZonedResult};
 use crate::results::names::OF_THE_RUNS;
-use crate::results::run::make::{self, Tried};
+use crate::results::run::make::{self, RunWithErrors};
 use crate::results::run::record::RunRecord;
 use crate::results::run::stage::{Run, SOLID, artefact, files, history_files, run};
-use crate::results::springs::stage::FoundOn;
+use crate::results::springs::stage::CalibratedPair;
 use crate::study::StudyScenario;
 
 /// A load case on the solid model.
 pub(crate) struct SimulateSolid<'s, 'a> {
     pub solids: &'s mut Solids<'a>,
     /// Runs that were made beside other stages, if any.
-    pub begun: Option<&'s Begun<'a>>,
+    pub background: Option<&'s BackgroundRuns<'a>>,
     pub name: &'s str,
     pub scenario: &'s StudyScenario,
 }
@@ -53,16 +53,16 @@ impl Stage for SimulateSolid<'_, '_> {
         Ok(self.solids.input.run(self.scenario).address(reach))
     }
 
-    fn begun(&self) -> Option<Result<Made>> {
-        self.begun?.take(self.name)
+    fn background(&self) -> Option<Result<StageOutput>> {
+        self.background?.take(self.name)
     }
 
-    fn make(&mut self, engine: &mut Engine<'_>) -> Result<Made> {
+    fn make(&mut self, engine: &mut Engine<'_>) -> Result<StageOutput> {
         let at = &mut *self.solids;
         let mut runs = SolidRuns::after(at, engine)?;
         let made = runs.run(self.name, self.scenario, at.resources.monitor)?;
         at.moving = runs.moving;
-        at.go_on_with(runs.meshes);
+        at.set_meshes(runs.meshes);
         Ok(made)
     }
 
@@ -116,7 +116,7 @@ impl<'a> SolidRuns<'a> {
     ///
     /// # Errors
     /// Those of the geometry.
-    pub fn beside(at: &mut Solids<'a>, springs: &FoundOn) -> Result<Self> {
+    pub fn beside(at: &mut Solids<'a>, springs: &CalibratedPair) -> Result<Self> {
         let (meshes, bodies) = springs.bodies();
         let moving = moving_of(at.input.modes, bodies.clone());
         Self::with(at, meshes.clone(), Some(moving))
@@ -131,7 +131,7 @@ impl<'a> SolidRuns<'a> {
     ///
     /// # Errors
     /// Those of the bodies and of the run, with the name of the load case.
-    fn run(&mut self, name: &str, scenario: &StudyScenario, monitor: &dyn Monitor) -> Result<Made> {
+    fn run(&mut self, name: &str, scenario: &StudyScenario, monitor: &dyn Monitor) -> Result<StageOutput> {
         let Self { input, geometry, budget, source, meshes, moving: bodies } = self;
         let statics = input.statics;
         let source = source.said_to(monitor);
@@ -164,18 +164,18 @@ impl<'a> SolidRuns<'a> {
             };
             make::simulate_solid(&input.run(scenario), geometry, meshes, &bodies, &coarser, monitor)
         };
-        let reached = |(run, _): &(TransientRun, Tried)| Reached::in_time(run.history.ending);
-        let Within { result: (run, tried), refused } =
+        let reached = |(run, _): &(TransientRun, RunWithErrors)| ZoneLimit::in_time(run.history.ending);
+        let ZonedResult { result: (run, tried), refused } =
             zones::within_zones(statics, geometry, meshes, monitor, accept, run, reached)
                 .map_err(|error| input.source.in_scenario(name, error))?;
         *bodies = moving.into_inner();
         let record = RunRecord {
             wheel_mass_kg: Some(run.wheel_mass),
-            ..RunRecord::of_solid(&run.history, run.reduction.as_ref(), tried.worth)
+            ..RunRecord::of_solid(&run.history, run.reduction.as_ref(), tried.uncertainty)
         };
         let artefact =
             artefact(&run.history, &record, tried.disturbed.as_ref()).with(REACH, to_json(&self.reach()));
-        Ok(Made { complete: !refused, ..Made::whole(artefact) })
+        Ok(StageOutput { complete: !refused, ..StageOutput::whole(artefact) })
     }
 
     fn reach(&self) -> Reach {
@@ -188,25 +188,25 @@ impl<'a> SolidRuns<'a> {
     }
 
     /// All load cases of the study up to one that the store has, which the stage takes from there.
-    pub fn all(mut self, store: Option<&Store>, begun: &Begun<'a>) {
+    pub fn all(mut self, store: Option<&Store>, background: &BackgroundRuns<'a>) {
         let input = self.input;
         for (name, scenario) in input.cases.iter().filter(|(_, case)| case.solid) {
             let stage = stage_name(name);
             let watch = Stopwatch::start();
             let address = store.map(|store| (store, input.run(scenario).address(self.reach())));
-            if address.as_ref().is_some_and(|(store, address)| begun.takes && store.has(address)) {
+            if address.as_ref().is_some_and(|(store, address)| background.takes && store.has(address)) {
                 return;
             }
-            let made = self.run(name, scenario, begun);
+            let made = self.run(name, scenario, background);
             let failed = made.is_err();
             let made = made.map(|made| {
                 if let Some((store, address)) = address.filter(|_| made.complete) {
-                    let say = |text| begun.monitor.notice(&format!("{stage}: {text}"));
+                    let say = |text| background.monitor.notice(&format!("{stage}: {text}"));
                     store.keep(&address, &stage, input.name, &made.artefact, &say);
                 }
-                Made { elsewhere: Some(watch.held()), ..made }
+                StageOutput { elsewhere: Some(watch.held()), ..made }
             });
-            begun.add(name, made);
+            background.add(name, made);
             if failed {
                 return;
             }
@@ -215,8 +215,8 @@ impl<'a> SolidRuns<'a> {
 }
 
 /// What was made of the runs on the solids beside other stages, by load case, until their stages ask for it.
-pub(crate) struct Begun<'a> {
-    made: Mutex<Vec<(String, Result<Made>)>>,
+pub(crate) struct BackgroundRuns<'a> {
+    made: Mutex<Vec<(String, Result<StageOutput>)>>,
     /// Whether the other stages have failed, so that nobody will ask.
     stopped: AtomicBool,
     /// Whether the store is asked first.
@@ -224,17 +224,17 @@ pub(crate) struct Begun<'a> {
     monitor: &'a dyn Monitor,
 }
 
-impl<'a> Begun<'a> {
+impl<'a> BackgroundRuns<'a> {
     /// Nothing yet.
     pub fn new(takes: bool, monitor: &'a dyn Monitor) -> Self {
         Self { made: Mutex::default(), stopped: AtomicBool::new(false), takes, monitor }
     }
 
-    fn add(&self, name: &str, made: Result<Made>) {
+    fn add(&self, name: &str, made: Result<StageOutput>) {
         self.made.lock().unwrap_or_else(PoisonError::into_inner).push((name.into(), made));
     }
 
-    fn take(&self, name: &str) -> Option<Result<Made>> {
+    fn take(&self, name: &str) -> Option<Result<StageOutput>> {
         let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
         let place = made.iter().position(|(other, _)| other == name)?;
         Some(made.swap_remove(place).1)
@@ -246,7 +246,7 @@ impl<'a> Begun<'a> {
     }
 }
 
-impl Monitor for Begun<'_> {
+impl Monitor for BackgroundRuns<'_> {
     fn progress(&self, stage: &str, done: usize, total: usize) -> Result<()> {
         if self.stopped.load(Ordering::Relaxed) {
             return Err(Error::Interrupted);

@@ -19,7 +19,7 @@ pub use self::accepted::check_reference;
 pub use self::contact_element::{element, in_element};
 pub use self::file::{element_of, from_file};
 pub use self::in_si::springs;
-pub use self::of_study::{need_no_calibration, own, without_calibration};
+pub use self::of_study::{need_no_calibration, springs_of_study, without_calibration};
 
 /// Says by how much a run leaves the fitted range of its law, if it does. Steps without contact do not count.
 pub fn range_note(springs: &SpringsRecord, history: &History) -> Option<String> {

@@ -8,7 +8,7 @@ use railspring_simulate::time::history::{Ending, History};
 
 use crate::engine::list::NewFile;
 use crate::engine::output::to_json;
-use crate::engine::stage::{Engine, Made, Stage};
+use crate::engine::stage::{Engine, Stage, StageOutput};
 use crate::engine::store::{Address, Artefact, unreadable};
 use crate::results::bodies::in_work::Solids;
 use crate::results::by_angle::record::StiffnessByAngleRecord;
@@ -55,7 +55,7 @@ impl Run {
         self
     }
 
-    /// The run with what it is worth.
+    /// The run with its uncertainty.
     pub fn model(&self) -> ModelRun<'_> {
         self.record.model(&self.history, self.disturbed.as_ref())
     }
@@ -100,8 +100,8 @@ impl Stage for Simulate<'_, '_> {
         Ok(self.input.address(self.springs))
     }
 
-    fn make(&mut self, _: &mut Engine<'_>) -> Result<Made> {
-        self.run().map(Made::whole)
+    fn make(&mut self, _: &mut Engine<'_>) -> Result<StageOutput> {
+        self.run().map(StageOutput::whole)
     }
 
     fn value(&mut self, artefact: &Artefact, _: &str) -> Result<Run> {
@@ -128,9 +128,9 @@ impl Stage for SimulateOther<'_, '_> {
         Ok(self.0.input.other_address(self.0.springs))
     }
 
-    fn make(&mut self, _: &mut Engine<'_>) -> Result<Made> {
+    fn make(&mut self, _: &mut Engine<'_>) -> Result<StageOutput> {
         let failed = |reason| Artefact::default().with(FAILURE, reason);
-        Ok(Made::whole(or_reason(self.0.run())?.unwrap_or_else(failed)))
+        Ok(StageOutput::whole(or_reason(self.0.run())?.unwrap_or_else(failed)))
     }
 
     fn value(&mut self, artefact: &Artefact, _: &str) -> Result<Self::Value> {
@@ -163,7 +163,7 @@ impl Simulate<'_, '_> {
         let notes = [runs_with].into_iter().chain(springs::range_note(springs, &history)).collect();
         let record = RunRecord {
             wheel_mass_kg: Some(input.case.wheel_mass.unwrap_or(used.mass())),
-            ..RunRecord::new(&history, Some(springs), tried.worth, notes)
+            ..RunRecord::new(&history, Some(springs), tried.uncertainty, notes)
         };
         Ok(artefact(&history, &record, tried.disturbed.as_ref()))
     }

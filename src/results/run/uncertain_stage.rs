@@ -4,7 +4,7 @@ use railspring_profiles::error::Result;
 
 use crate::engine::list::NewFile;
 use crate::engine::output::to_json;
-use crate::engine::stage::{Engine, Made, Stage};
+use crate::engine::stage::{Engine, Stage, StageOutput};
 use crate::engine::store::{Address, Artefact};
 use crate::results::bodies::geometry::track;
 use crate::results::bodies::in_work::Solids;
@@ -47,14 +47,14 @@ impl Stage for Samples<'_, '_> {
         Ok(self.input.address())
     }
 
-    fn make(&mut self, engine: &mut Engine<'_>) -> Result<Made> {
+    fn make(&mut self, engine: &mut Engine<'_>) -> Result<StageOutput> {
         let artefact = match self.run(engine)? {
             Ok(UncertainRun { rows, record }) => {
                 Artefact::default().with(ROWS, write(&rows)).with(RECORD, to_json(&record))
             }
             Err(reason) => Artefact::default().with(FAILURE, reason),
         };
-        Ok(Made::whole(artefact))
+        Ok(StageOutput::whole(artefact))
     }
 
     fn value(&mut self, artefact: &Artefact, _: &str) -> Result<Uncertain> {

@@ -1,10 +1,11 @@
 //! What springs of measured profiles hang on that nobody has said: the pair is pressed with other bodies, and in other places, in the place of the assumed
 //! ones.
 //!
-//! A wheel of which only the profile is known may have any web, rim and hub; a rail of which only the head is known any web and foot; a head whose
-//! sides do not show it may be inclined in its file. The others are the ends of what is in use: a thin straight web under a thin rim, a thick one
-//! under a thick rim with a large hub, and an S web; the standard rails next lighter and next heavier than what was assumed; roll and lateral place to either side by as much as
-//! they are unsure, and in between.
+//! A wheel of which only the profile is known may have any web, rim and hub. A rail of which only the head is
+//! known may have any web and foot. A head whose sides do not show it may be inclined in its file. The
+//! alternatives are the ends of what is in use. Wheels have a thin straight web under a thin rim, a thick one
+//! under a thick rim with a large hub, or an S web. Rails are the standard ones next lighter and next heavier
+//! than the assumed one. Roll and lateral place change to either side by their uncertainty.
 
 use railspring_calibrate::calibration::{LoadPoint, Reference};
 use railspring_calibrate::mesh::MeshOptions;
@@ -18,7 +19,7 @@ use crate::results::bodies::meshes::Meshes;
 use crate::results::bodies::others::{Other, Part, assumptions, others};
 use crate::results::bodies::zones::mesh_options;
 use crate::results::springs::assumed_record::{AssumedRecord, AssumedReference, OtherRecord};
-use crate::results::springs::make::{FoundSprings, contact_conditions};
+use crate::results::springs::make::{FittedSprings, contact_conditions};
 use crate::study::Statics;
 
 /// Loads under which others are compared, at most.
@@ -33,7 +34,7 @@ pub fn assumed(
     statics: Statics<'_>,
     geometry: &Geometry,
     (meshes, bodies): (&Meshes, &CondensedPair),
-    found: &FoundSprings,
+    found: &FittedSprings,
     condense: impl Fn(&Geometry, &Meshes) -> Result<CondensedPair>,
     monitor: &dyn Monitor,
 ) -> Result<Option<AssumedRecord>> {
@@ -127,7 +128,7 @@ pub fn assumed(
 }
 
 /// The horizontal stiffness of the springs at a preload, N/m.
-fn own_horizontal(found: &FoundSprings, preload: f64) -> Option<f64> {
+fn own_horizontal(found: &FittedSprings, preload: f64) -> Option<f64> {
     let points = &found.horizontal.as_ref()?.points;
     points.iter().find(|point| (point.preload / preload - 1.0).abs() < 1e-9).map(|point| point.stiffness)
 }

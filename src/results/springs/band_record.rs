@@ -1,4 +1,4 @@
-//! What a law is worth, as `stiffness.json` has it.
+//! Error bands of a law, as `stiffness.json` has it.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -28,7 +28,7 @@ impl ErrorBandRecord {
     }
 }
 
-/// What the horizontal stiffness is worth: its relative changes with coarser meshes.
+/// Error band of the horizontal stiffness: its relative changes with coarser meshes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct HorizontalBandRecord {
     /// At every preload; empty where there is no answer.

@@ -1,4 +1,4 @@
-//! What the laws of a calibration are worth, and finer meshes for laws that are to be worth more.
+//! Error bands of the laws of a calibration, and finer meshes where a study wants narrower bands.
 
 use railspring_calibrate::calibration::Reference;
 use railspring_calibrate::pair::{
@@ -15,7 +15,7 @@ use crate::results::bodies::record::ProfileRecord;
 use crate::results::springs::band_record::{
     BandPointRecord, ErrorBandRecord, HorizontalBandRecord, ReferenceBandRecord, TargetRecord,
 };
-use crate::results::springs::make::{FoundSprings, contact_conditions};
+use crate::results::springs::make::{FittedSprings, contact_conditions};
 use crate::study::Statics;
 
 /// Refuses a wanted error of meshes that the program cannot refine.
@@ -47,7 +47,7 @@ pub fn error_band(
     geometry: &Geometry,
     meshes: &Meshes,
     bodies: &CondensedPair,
-    found: &FoundSprings,
+    found: &FittedSprings,
     coarser: &CoarserBodies,
     monitor: &dyn Monitor,
 ) -> Result<(ErrorBandRecord, Option<HorizontalBandRecord>)> {

@@ -246,8 +246,9 @@ impl ContactFields {
     }
 }
 
-/// Text of the VTU file of a mesh without any load, in its own frame, with masks of its contact surface and of its
-/// held nodes (a rail's foot, a wheel's bore), and of the `groups` with materials: a mesh file that a study can name.
+/// Text of the VTU file of a mesh without any load, in its own frame: a mesh file that a study can name. It
+/// has masks of the contact surface and of the held nodes (a rail's foot, a wheel's bore), and of the
+/// `groups` with materials.
 ///
 /// # Errors
 /// None that a finished mesh can cause.

@@ -1,7 +1,7 @@
 //! Laws of all forms between files and the library, and how far each is off.
 
 use railspring_calibrate::law::{
-    Form, FormFit, NormalLaw, OffAt, REFERENCE_FORCE, SeriesLaw, StepConstants, StepLaw, StiffnessLaw,
+    Form, FormFit, LawError, NormalLaw, REFERENCE_FORCE, SeriesLaw, StepConstants, StepLaw, StiffnessLaw,
     TableLaw,
 };
 use railspring_profiles::error::{Error, Result};
@@ -197,7 +197,7 @@ pub struct FormRecord {
     /// From which load on it keeps some limits.
     pub within: Vec<WithinRecord>,
     /// By load, ascending.
-    pub off: Vec<OffRecord>,
+    pub off: Vec<LawErrorRecord>,
 }
 
 /// Where a law is farthest from the solid.
@@ -222,7 +222,7 @@ pub struct WithinRecord {
 
 /// Relative errors of a law at a load, positive where the law is above the solid.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct OffRecord {
+pub struct LawErrorRecord {
     /// Load, kN.
     pub force_kn: f64,
     /// Of the tangent. A table has the tangents of the solid: here stands that of the table of the other loads, which tells what lies
@@ -234,12 +234,12 @@ pub struct OffRecord {
 
 impl From<&FormFit> for FormRecord {
     fn from(fit: &FormFit) -> Self {
-        let record = |&OffAt { force, tangent, displacement }: &OffAt| OffRecord {
+        let record = |&LawError { force, tangent, displacement }: &LawError| LawErrorRecord {
             force_kn: force / KILONEWTON,
             tangent,
             displacement,
         };
-        let off: Vec<OffRecord> = fit.off.iter().map(record).collect();
+        let off: Vec<LawErrorRecord> = fit.errors.iter().map(record).collect();
         Self {
             law: (&fit.law).into(),
             tangent: farthest(off.iter(), |at| at.tangent),
@@ -258,15 +258,15 @@ impl From<&FormFit> for FormRecord {
 
 /// Where a law is farthest off by `value`; one that is no number is farther than all.
 pub(crate) fn farthest<'a>(
-    off: impl Iterator<Item = &'a OffRecord>,
-    value: impl Fn(&OffRecord) -> Option<f64>,
+    off: impl Iterator<Item = &'a LawErrorRecord>,
+    value: impl Fn(&LawErrorRecord) -> Option<f64>,
 ) -> Option<FarthestRecord> {
     off.filter_map(|at| Some(FarthestRecord { max_rel_error: value(at)?.abs(), force_kn: at.force_kn }))
         .reduce(|most, at| if at.max_rel_error <= most.max_rel_error { most } else { at })
 }
 
 /// The smallest load from which on `value` keeps a limit.
-fn from(off: &[OffRecord], limit: f64, value: impl Fn(&OffRecord) -> Option<f64>) -> Option<f64> {
+fn from(off: &[LawErrorRecord], limit: f64, value: impl Fn(&LawErrorRecord) -> Option<f64>) -> Option<f64> {
     let known = off.iter().filter_map(|at| Some((at.force_kn, value(at)?)));
     let known: Vec<(f64, f64)> = known.collect();
     let beyond = known.iter().rposition(|(_, off)| !(off.abs() <= limit));
@@ -275,7 +275,7 @@ fn from(off: &[OffRecord], limit: f64, value: impl Fn(&OffRecord) -> Option<f64>
 
 impl FormRecord {
     /// Its errors at the loads from `low` to `high` (kN) and at the next ones either side, which bound what lies between: those of the whole law where nothing is said.
-    pub fn over(&self, loads: Option<[f64; 2]>) -> &[OffRecord] {
+    pub fn over(&self, loads: Option<[f64; 2]>) -> &[LawErrorRecord] {
         let Some([low, high]) = loads else { return &self.off };
         let first = self.off.partition_point(|at| at.force_kn <= low).saturating_sub(1);
         let last = self.off.partition_point(|at| at.force_kn < high).min(self.off.len() - 1);
@@ -283,7 +283,7 @@ impl FormRecord {
     }
 
     /// From which load on `value` keeps a limit, kN.
-    pub fn kept_from(&self, limit: f64, value: impl Fn(&OffRecord) -> Option<f64>) -> Option<f64> {
+    pub fn kept_from(&self, limit: f64, value: impl Fn(&LawErrorRecord) -> Option<f64>) -> Option<f64> {
         from(&self.off, limit, value)
     }
 
@@ -297,7 +297,7 @@ impl FormRecord {
     }
 
     /// Its largest errors in words.
-    pub fn worth(&self) -> String {
+    pub fn largest_errors(&self) -> String {
         let part = |of: Option<FarthestRecord>| {
             of.map_or_else(
                 || "not known".into(),
@@ -311,7 +311,7 @@ impl FormRecord {
     }
 }
 
-/// What the published form is worth, and which other form is nearer to the solid, in a line.
+/// Errors of the published form, and which other form is nearer to the solid, in a line.
 pub(crate) fn best_of_forms(forms: &[FormRecord]) -> Option<String> {
     /// Largest errors that a law is said to hold with; an error is rarely known better.
     const HOLDS: f64 = 0.01;
@@ -321,7 +321,7 @@ pub(crate) fn best_of_forms(forms: &[FormRecord]) -> Option<String> {
     let [low, high] =
         [power.off.first()?.force_kn, power.off.last()?.force_kn].map(|load| significant(load, 3));
     let best = forms.iter().min_by(|a, b| largest(a).total_cmp(&largest(b)))?;
-    let published = format!("the published form from {low} to {high} kN, off: {}", power.worth());
+    let published = format!("the published form from {low} to {high} kN, off: {}", power.largest_errors());
     let from = |limit: f64| {
         let percent = significant(1e2 * limit, 1);
         let from = power.holds_from(limit)?;
@@ -332,5 +332,5 @@ pub(crate) fn best_of_forms(forms: &[FormRecord]) -> Option<String> {
         return Some(format!("{published}{kept}; no other form is nearer"));
     }
     let verb = if largest(best) <= HOLDS { "holds" } else { "is nearest" };
-    Some(format!("{published}{kept}; `{}` {verb}: {}", best.law.form().name(), best.worth()))
+    Some(format!("{published}{kept}; `{}` {verb}: {}", best.law.form().name(), best.largest_errors()))
 }

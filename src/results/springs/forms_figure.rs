@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use crate::report::number::WIDTH;
 use crate::report::panel::{Panel, stacked_logarithmic};
 use crate::report::plot::{BLUE, DARK, Dash, GREY, Marker, ORANGE, Series};
-use crate::results::springs::form::{FarthestRecord, FormRecord, OffRecord};
+use crate::results::springs::form::{FarthestRecord, FormRecord, LawErrorRecord};
 use crate::results::springs::record::StiffnessRecord;
 use crate::rounding::significant;
 
@@ -18,7 +18,7 @@ fn forms(stiffness: &StiffnessRecord) -> &[FormRecord] {
 
 /// Relative errors of tangent and displacement over the load, per cent; each form with its own dashes and marks.
 pub fn errors(stiffness: &StiffnessRecord) -> String {
-    let of = |value: &dyn Fn(&OffRecord) -> Option<f64>| {
+    let of = |value: &dyn Fn(&LawErrorRecord) -> Option<f64>| {
         let series = |form: &FormRecord| {
             let (color, dash, marker) = match form.law.form() {
                 Form::Power => (ORANGE, Dash::Solid, Marker::Square),

@@ -42,7 +42,7 @@ use crate::version;
 pub(crate) const MICROMETRE_PER_KILONEWTON: f64 = 1e-9;
 
 /// The springs as they were found, for their error bands.
-pub struct FoundSprings {
+pub struct FittedSprings {
     /// The laws.
     pub laws: Laws,
     /// The horizontal stiffness; none where there is no answer.
@@ -53,7 +53,7 @@ pub struct FoundSprings {
 pub struct PressedStudy {
     beam: SeriesBeam,
     states: Arc<PairStates>,
-    found: FoundSprings,
+    found: FittedSprings,
     horizontal_failure: Option<Error>,
     /// Why there are not all loads, preloads or springs.
     ended: Option<Error>,
@@ -61,7 +61,7 @@ pub struct PressedStudy {
 
 impl PressedStudy {
     /// The springs as they were found.
-    pub fn found(&self) -> &FoundSprings {
+    pub fn found(&self) -> &FittedSprings {
         &self.found
     }
 
@@ -139,7 +139,7 @@ pub fn press(
     };
     let horizontal_end = horizontal.as_ref().and_then(|horizontal| horizontal.ended.clone());
     let ended = pressed.ended().cloned().or(horizontal_failure.clone()).or(horizontal_end);
-    let (states, found) = (pressed.into_states(), FoundSprings { laws, horizontal });
+    let (states, found) = (pressed.into_states(), FittedSprings { laws, horizontal });
     Ok(PressedStudy { beam, states, found, horizontal_failure, ended })
 }
 
@@ -155,7 +155,7 @@ pub fn calibrate(
     pressed: &PressedStudy,
 ) -> Result<(Calibration, Vec<FieldFile>)> {
     let pair = &geometry.pair;
-    let PressedStudy { beam, states, found: FoundSprings { laws, horizontal }, horizontal_failure, .. } =
+    let PressedStudy { beam, states, found: FittedSprings { laws, horizontal }, horizontal_failure, .. } =
         pressed;
     let pressed = bodies.pressed(pair, contact_conditions(statics), states.clone());
     let reference = Reference::from(statics.calibration.reference);
@@ -233,7 +233,7 @@ pub fn calibrate(
 }
 
 /// The springs as they were found, before their error bands, in a line.
-pub fn law_so_far(statics: Statics<'_>, found: &FoundSprings) -> String {
+pub fn law_so_far(statics: Statics<'_>, found: &FittedSprings) -> String {
     let reference = Reference::from(statics.calibration.reference);
     let law = found.laws.get(reference).map(|law| law.fit.law);
     let law = law.map_or_else(String::new, |law| {

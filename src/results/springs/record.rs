@@ -43,13 +43,13 @@ pub struct StiffnessRecord {
     pub beam: BeamRecord,
     /// The laws with each reference, the one in use included.
     pub references: Vec<ReferenceRecord>,
-    /// What the laws are worth; none where the study does not ask.
+    /// Error bands of the laws; none where the study does not ask.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error_band: Option<ErrorBandRecord>,
     /// What was assumed of measured profiles, and how far the springs may be off for it; none where all is known, or the study asks for no bands.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub assumed: Option<AssumedRecord>,
-    /// What the springs are worth with inputs that are not known exactly; none where the study asks for no bands.
+    /// Uncertainty of the springs by inputs that are not known exactly; none where the study asks for no bands.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub input_uncertainty: Option<InputUncertaintyRecord>,
     /// Where the compliance sits, at some loads.
@@ -151,8 +151,8 @@ impl StiffnessRecord {
         self.mesh.iter().find(|mesh| mesh.body == "wheel").map_or(f64::NAN, |mesh| mesh.mass_kg)
     }
 
-    /// What the law in use is worth, as far as that was asked for, a line each.
-    pub fn worth(&self) -> Vec<String> {
+    /// Error bands of the law in use, as far as they were asked for, a line each.
+    pub fn law_errors(&self) -> Vec<String> {
         let Some(band) = &self.error_band else { return Vec::new() };
         let mut lines: Vec<String> =
             band.missing.iter().map(|part| format!("error band of the law: none, {part}")).collect();
@@ -189,7 +189,7 @@ impl StiffnessRecord {
         in_use.form(form)
     }
 
-    /// What the published form is worth, and which form holds best, in a line.
+    /// Errors of the published form, and which form holds best, in a line.
     pub fn forms_in_a_line(&self) -> Option<String> {
         let in_use = self.references.iter().find(|found| found.reference == self.reference)?;
         best_of_forms(&in_use.forms)
@@ -323,7 +323,7 @@ pub struct HorizontalRecord {
     pub relative_spread: f64,
     /// The points.
     pub points: Vec<HorizontalPointRecord>,
-    /// What the stiffness is worth; none where the study does not ask.
+    /// Error band of the stiffness; none where the study does not ask.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error_band: Option<HorizontalBandRecord>,
 }

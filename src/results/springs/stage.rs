@@ -12,7 +12,7 @@ use crate::engine::list::NewFile;
 use crate::engine::measure::Stopwatch;
 use crate::engine::output::{to_csv, to_json};
 use crate::engine::seal::Sealed;
-use crate::engine::stage::{Engine, Made, Stage};
+use crate::engine::stage::{Engine, Stage, StageOutput};
 use crate::engine::store::{Address, Artefact};
 use crate::results::bodies::estimate::Work;
 use crate::results::bodies::geometry::Geometry;
@@ -21,12 +21,12 @@ use crate::results::bodies::input::SolidsInput;
 use crate::results::bodies::meshes::Meshes;
 use crate::results::bodies::solids;
 use crate::results::bodies::source::BodySource;
-use crate::results::bodies::zones::{self, Reached, Within};
+use crate::results::bodies::zones::{self, ZoneLimit, ZonedResult};
 use crate::results::names::{FIGURES, LOAD_CURVE, PATCHES, REPORT, REPORT_PDF, STIFFNESS, VERIFICATION};
 use crate::results::patches::record::PatchesRecord;
 use crate::results::springs::assumed_record::AssumedRecord;
 use crate::results::springs::band_record::{ErrorBandRecord, HorizontalBandRecord};
-use crate::results::springs::make::{self, Calibration, FoundSprings, PressedStudy};
+use crate::results::springs::make::{self, Calibration, FittedSprings, PressedStudy};
 use crate::results::springs::record::{LoadCurveRow, StiffnessRecord};
 use crate::results::springs::{assumed, error_band, fields, uncertainty};
 use crate::study::Statics;
@@ -37,12 +37,12 @@ pub(crate) struct Calibrate<'s, 'a> {
     /// Whether the study gives the horizontal stiffness, so that it goes on without one that was found.
     pub has_horizontal: bool,
     /// Springs that were found before.
-    pub found: Option<FoundOn>,
+    pub found: Option<CalibratedPair>,
 }
 
 /// The springs of a study on the meshes that they end with, before their fields and mostly before their error bands: all that runs on the
 /// solids need of a calibration.
-pub(crate) struct FoundOn {
+pub(crate) struct CalibratedPair {
     meshes: Meshes,
     condensed: Arc<CondensedPair>,
     pressed: PressedStudy,
@@ -54,7 +54,7 @@ pub(crate) struct FoundOn {
     watch: Option<Stopwatch>,
 }
 
-impl FoundOn {
+impl CalibratedPair {
     /// The meshes, and the bodies.
     pub fn bodies(&self) -> (&Meshes, &Arc<CondensedPair>) {
         (&self.meshes, &self.condensed)
@@ -91,13 +91,13 @@ impl Stage for Calibrate<'_, '_> {
         Ok(self.solids.input.calibration())
     }
 
-    fn make(&mut self, engine: &mut Engine<'_>) -> Result<Made> {
+    fn make(&mut self, engine: &mut Engine<'_>) -> Result<StageOutput> {
         let springs = match self.found.take() {
             Some(springs) => springs,
             None => found_springs(self.solids, engine)?,
         };
         let at = &mut *self.solids;
-        let FoundOn { meshes, condensed, pressed, band, refused, watch } = springs;
+        let CalibratedPair { meshes, condensed, pressed, band, refused, watch } = springs;
         at.resources.monitor.notice(&make::law_so_far(at.input.statics, pressed.found()));
         engine.watch = watch.or(engine.watch.take());
         let (statics, geometry) = (at.input.statics, at.geometry()?);
@@ -127,7 +127,7 @@ impl Stage for Calibrate<'_, '_> {
             monitor,
         )?;
         let Calibration { stiffness, load_curve, patches, horizontal_failure } = calibration;
-        let reach = at.go_on_with(meshes);
+        let reach = at.set_meshes(meshes);
         at.condensed = (at.input.wants_by_angle || at.input.modes > 0).then_some(condensed);
         let mut artefact = Artefact::default()
             .with(REACH, to_json(&reach))
@@ -140,7 +140,7 @@ impl Stage for Calibrate<'_, '_> {
         let complete = horizontal_failure.is_none() && !refused;
         // what the calibration has finished is written; a study with a stiffness goes on with it
         let failure = horizontal_failure.filter(|_| !self.has_horizontal);
-        Ok(Made { complete, failure, ..Made::whole(artefact) })
+        Ok(StageOutput { complete, failure, ..StageOutput::whole(artefact) })
     }
 
     fn value(&mut self, artefact: &Artefact, key: &str) -> Result<Calibration> {
@@ -185,7 +185,7 @@ pub(crate) fn calibrates(input: &SolidsInput<'_>, engine: &Engine<'_>) -> bool {
 ///
 /// # Errors
 /// Those of the bodies and of pressing them.
-pub(crate) fn found_springs(at: &mut Solids<'_>, engine: &mut Engine<'_>) -> Result<FoundOn> {
+pub(crate) fn found_springs(at: &mut Solids<'_>, engine: &mut Engine<'_>) -> Result<CalibratedPair> {
     let geometry = at.geometry()?;
     let mut meshes = at.meshes(engine, Solids::calibration_work)?;
     let (input, monitor, budget) = (at.input, at.resources.monitor, at.resources.budget);
@@ -199,13 +199,13 @@ pub(crate) fn found_springs(at: &mut Solids<'_>, engine: &mut Engine<'_>) -> Res
         Ok((Arc::new(condensed), pressed))
     };
     let reached = |(_, pressed): &Pressed| match pressed.ended() {
-        Some(Error::Numerics(cause)) => Reached::by(cause),
+        Some(Error::Numerics(cause)) => ZoneLimit::by(cause),
         _ => None,
     };
     loop {
-        let Within { result: (condensed, pressed), refused } =
+        let ZonedResult { result: (condensed, pressed), refused } =
             zones::within_zones(statics, &geometry, &mut meshes, monitor, accept, press, reached)
-                .map_err(|error| uncarried(statics, error))?;
+                .map_err(|error| load_error(statics, error))?;
         let mut band = None;
         if statics.wants_error_band() && statics.target_error.is_some() {
             let (band, _) = band.insert(error_band(at, &geometry, &meshes, &condensed, &pressed)?);
@@ -216,7 +216,7 @@ pub(crate) fn found_springs(at: &mut Solids<'_>, engine: &mut Engine<'_>) -> Res
             }
         }
         let watch = engine.watch.take();
-        return Ok(FoundOn { meshes, condensed, pressed, band, refused, watch });
+        return Ok(CalibratedPair { meshes, condensed, pressed, band, refused, watch });
     }
 }
 
@@ -225,7 +225,7 @@ fn assumed(
     at: &Solids<'_>,
     geometry: &Geometry,
     own: (&Meshes, &CondensedPair),
-    found: &FoundSprings,
+    found: &FittedSprings,
 ) -> Result<Option<AssumedRecord>> {
     let (statics, monitor) = (at.input.statics, at.resources.monitor);
     let condense = |geometry: &Geometry, meshes: &Meshes| {
@@ -275,9 +275,10 @@ fn label(stiffness: &mut StiffnessRecord, key: &str, input: &SolidsInput<'_>, ge
     }
 }
 
-/// A contact at the end of a contact zone that cannot be made larger, under so small a load that there is no law, means loads too large
-/// for the study; on a profile under the smallest load, a place at which the two profiles have no room for a contact.
-fn uncarried(statics: Statics<'_>, error: Error) -> Error {
+/// The error of a contact that ends at the end of a contact zone which cannot be made larger. The load is so
+/// small that there is no law. The loads are then too large for the study. On a profile, under the smallest
+/// load, the two profiles have no room for a contact.
+fn load_error(statics: Statics<'_>, error: Error) -> Error {
     let Error::Numerics(cause) = &error else { return error };
     let given = statics.rail.mesh.is_some() || statics.wheel.mesh.is_some();
     let load = cause.step.map_or_else(|| "the loads".into(), |step| format!("load number {step}"));

@@ -13,7 +13,7 @@ use railspring_profiles::units::KILONEWTON;
 
 use crate::results::bodies::geometry::{Geometry, track};
 use crate::results::springs::law::LawConstants;
-use crate::results::springs::make::{FoundSprings, contact_conditions};
+use crate::results::springs::make::{FittedSprings, contact_conditions};
 use crate::results::springs::record::StiffnessRecord;
 use crate::results::springs::uncertain_inputs::UncertainInputs;
 use crate::results::springs::uncertainty_record::{
@@ -39,7 +39,7 @@ pub fn uncertainty(
     statics: Statics<'_>,
     geometry: &Geometry,
     bodies: &CondensedPair,
-    found: &FoundSprings,
+    found: &FittedSprings,
     springs: &StiffnessRecord,
     monitor: &dyn Monitor,
 ) -> Result<Option<InputUncertaintyRecord>> {

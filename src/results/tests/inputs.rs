@@ -39,7 +39,7 @@ impl Keys {
     /// That of a load case on the simple model with springs of a mass of the wheel, kg.
     fn simple(&self, case: &str, wheel_mass_kg: f64) -> String {
         let published = study(&format!("{SHORT}[simulation]\nelement = \"published\"\n"));
-        let springs = springs::own(&SpringsInput::of(&published), &samples::stiffness(), None);
+        let springs = springs::springs_of_study(&SpringsInput::of(&published), &samples::stiffness(), None);
         let springs = SpringsRecord { wheel_mass_kg, ..springs.unwrap() };
         let input = SimpleRunInput::of(&self.study, &self.study.scenarios[case]);
         input.address(&springs).key().into()

@@ -67,9 +67,10 @@ fn a_zone_that_the_contact_leaves_is_made_longer() {
     assert!(!notes.is_empty() && notes.iter().all(|n| n.contains("meshed again")), "{notes:?}");
 }
 
-/// Goal: a run that has ended at the end of a zone is kept where larger meshes are refused, with the reason, and is not whole then; where no larger
-/// zone can be had (the end of a profile; a window that the study gives) it is kept as it is. Otherwise the zone is made longer, each time by
-/// twice as much, until it holds the whole profiles. An error without a result stays the refusal.
+/// Goal: a run that has ended at the end of a zone is kept where larger meshes are refused, with the reason,
+/// and is not whole then. It is kept unchanged where no larger zone can be had: at the end of a profile, or
+/// with a window that the study gives. Otherwise the zone is made longer, each time by twice as much, until
+/// it holds the whole profiles. An error without a result stays the refusal.
 #[test]
 fn what_was_done_is_kept_where_no_larger_zone_can_be_had() {
     use nalgebra::Point2;
@@ -89,7 +90,7 @@ fn what_was_done_is_kept_where_no_larger_zone_can_be_had() {
             *runs.lock().unwrap() += 1;
             Ok(ended(end))
         };
-        let reached = |ending: &Ending| Reached::in_time(*ending);
+        let reached = |ending: &Ending| ZoneLimit::in_time(*ending);
         let done =
             within_zones(study.statics(), &geometry, &mut used, &notes, accept, work, reached).unwrap();
         assert_eq!(done.result, ended(end));

@@ -3,7 +3,7 @@
 use crate::results::by_angle::record::StiffnessByAngleRecord;
 use crate::results::by_angle::record::{FixedLoadRecord, ShiftRecord};
 use crate::results::run::stage::Runs;
-use crate::results::springs::form::OffRecord;
+use crate::results::springs::form::LawErrorRecord;
 use crate::results::springs::record::StiffnessRecord;
 use crate::results::verdict::input::VerdictInput;
 use crate::results::verdict::law_lines::form_in_use;
@@ -74,7 +74,7 @@ impl Judging<'_> {
     fn loads_of_law(&self) -> Option<String> {
         let form = self.stiffness?.form(form_in_use(self.input))?;
         let (tangent, displacement) = (self.input.limits.law_max, self.input.limits.law_displacement);
-        let within = |at: &OffRecord| {
+        let within = |at: &LawErrorRecord| {
             at.tangent.is_none_or(|off| off.abs() <= tangent) && at.displacement.abs() <= displacement
         };
         let follows: Vec<bool> = form.off.iter().map(within).collect();

@@ -4,7 +4,7 @@ use railspring_calibrate::law::Form;
 use railspring_profiles::units::KILONEWTON;
 
 use crate::results::run::stage::{Run, Runs};
-use crate::results::springs::form::{FarthestRecord, FormRecord, OffRecord, farthest};
+use crate::results::springs::form::{FarthestRecord, FormRecord, LawErrorRecord, farthest};
 use crate::results::springs::record::StiffnessRecord;
 use crate::results::verdict::input::VerdictInput;
 use crate::rounding::significant;
@@ -44,17 +44,18 @@ pub(crate) fn law_lines(
     stiffness: &StiffnessRecord,
     used: Option<[f64; 2]>,
 ) -> [Line; 2] {
-    let tangent = |at: &OffRecord| at.tangent;
-    let displacement = |at: &OffRecord| Some(at.displacement);
+    let tangent = |at: &LawErrorRecord| at.tangent;
+    let displacement = |at: &LawErrorRecord| Some(at.displacement);
     let Some(form) = stiffness.form(form_in_use(input)) else {
         let missing = |of: Criterion| of.line(None).noted("the calibration has no law of the form in use");
         return [missing(input.limits.law_max()), missing(input.limits.law_displacement())];
     };
-    let line = |of: Criterion, whole: Option<FarthestRecord>, value: &dyn Fn(&OffRecord) -> Option<f64>| {
-        let farthest = farthest(form.over(used).iter(), value);
-        let line = of.line(farthest.map(|at| at.max_rel_error));
-        line.noted(note(form, used, farthest, whole, (of.limit, form.kept_from(of.limit, value))))
-    };
+    let line =
+        |of: Criterion, whole: Option<FarthestRecord>, value: &dyn Fn(&LawErrorRecord) -> Option<f64>| {
+            let farthest = farthest(form.over(used).iter(), value);
+            let line = of.line(farthest.map(|at| at.max_rel_error));
+            line.noted(note(form, used, farthest, whole, (of.limit, form.kept_from(of.limit, value))))
+        };
     [
         line(input.limits.law_max(), form.tangent, &tangent),
         line(input.limits.law_displacement(), Some(form.displacement), &displacement),

@@ -103,7 +103,7 @@ pub struct VerdictOn {
     pub on: VerdictSubject,
     /// Lines within their limits.
     pub hold: usize,
-    /// Lines beyond their limits, by no more than what the solid model itself is worth.
+    /// Lines beyond their limits, by no more than the numerical uncertainty of the solid model.
     pub hold_by_solid: usize,
     /// Lines that fail.
     pub fail: usize,
@@ -294,20 +294,20 @@ impl VerificationRecord {
         failing
     }
 
-    /// Lines of a verdict that hold within their limits, that hold by what the solid is worth, and that fail.
+    /// Lines of a verdict that hold within their limits, that hold by the solid's uncertainty, and that fail.
     pub fn counts(&self, on: VerdictSubject) -> [usize; 3] {
         let mut counts = [0; 3];
         for (_, line) in self.lines_on(on) {
             counts[match line.held_by {
                 Some(HeldBy::Limit) => 0,
-                Some(HeldBy::SolidWorth) => 1,
+                Some(HeldBy::SolidUncertainty) => 1,
                 None => 2,
             }] += 1;
         }
         counts
     }
 
-    /// How many lines of the verdict that decides hold by their limits, hold by what the solid is worth, and fail; and over how many load cases both
+    /// How many lines of the verdict that decides hold by their limits, hold by the solid's uncertainty, and fail; and over how many load cases both
     /// models were compared.
     pub fn headline(&self) -> String {
         let compared = self.scenarios.iter().filter(|s| s.compared.is_some()).count();
@@ -331,9 +331,15 @@ impl VerificationRecord {
                 line.meaning,
                 with_unit(line.value, &line.unit),
                 with_unit(Some(line.limit), &line.unit),
-                line.solid_worth.filter(|worth| *worth > line.limit).map_or_else(String::new, |worth| {
-                    format!(", the solid model itself {}", with_unit(Some(worth), &line.unit))
-                })
+                line.solid_uncertainty.filter(|uncertainty| *uncertainty > line.limit).map_or_else(
+                    String::new,
+                    |uncertainty| {
+                        format!(
+                            ", uncertainty of the solid model {}",
+                            with_unit(Some(uncertainty), &line.unit)
+                        )
+                    }
+                )
             ),
         }
     }

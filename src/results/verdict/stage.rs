@@ -8,7 +8,7 @@ use railspring_profiles::units::{KILONEWTON_PER_METRE, MILLIMETRE};
 
 use crate::engine::list::{Entry, NewFile, Results};
 use crate::engine::output::to_json;
-use crate::engine::stage::{Engine, Made, Stage};
+use crate::engine::stage::{Engine, Stage, StageOutput};
 use crate::engine::store::{Address, Artefact};
 use crate::results::by_angle::record::{BY_ANGLE, StiffnessByAngleRecord};
 use crate::results::names::{OF_THE_VERDICT, STIFFNESS, VERIFICATION};
@@ -55,7 +55,7 @@ impl Stage for Verify<'_> {
         false
     }
 
-    fn make(&mut self, engine: &mut Engine<'_>) -> Result<Made> {
+    fn make(&mut self, engine: &mut Engine<'_>) -> Result<StageOutput> {
         let input = &self.input;
         let mut scenarios = Vec::new();
         for (name, Runs { simple, others, uncertain, solid }) in self.runs {
@@ -157,7 +157,7 @@ impl Stage for Verify<'_> {
         verdict.holds = holds;
         let judging = Judging { input, stiffness: self.stiffness, by_angle: self.by_angle, runs: self.runs };
         verdict.verdicts = judging.verdicts(&verdict);
-        Ok(Made::whole(Artefact::default().with(VERIFICATION, to_json(&verdict))))
+        Ok(StageOutput::whole(Artefact::default().with(VERIFICATION, to_json(&verdict))))
     }
 
     fn value(&mut self, artefact: &Artefact, key: &str) -> Result<VerificationRecord> {

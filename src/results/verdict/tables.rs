@@ -42,8 +42,8 @@ pub(crate) struct LineText {
     over: String,
     value: String,
     limit: String,
-    solid_worth: String,
-    simple_worth: String,
+    solid_uncertainty: String,
+    simple_uncertainty: String,
     holds: bool,
     verdict: &'static str,
     note: Option<String>,
@@ -178,13 +178,13 @@ pub(crate) fn line_text(subject: &str, line: &Line) -> LineText {
         over: line.over().unwrap_or_default(),
         value: line.value.map_or_else(|| "no value".into(), with_unit),
         limit: with_unit(line.limit),
-        solid_worth: line.solid_worth.map(with_unit).unwrap_or_default(),
-        simple_worth: line.simple_worth.map(with_unit).unwrap_or_default(),
+        solid_uncertainty: line.solid_uncertainty.map(with_unit).unwrap_or_default(),
+        simple_uncertainty: line.simple_uncertainty.map(with_unit).unwrap_or_default(),
         holds: line.holds,
         verdict: match line.held_by {
             None => "fails",
             Some(HeldBy::Limit) => "holds",
-            Some(HeldBy::SolidWorth) => "holds by what the solid is worth",
+            Some(HeldBy::SolidUncertainty) => "holds within the solid's own uncertainty",
         },
         note: line.note.clone(),
     }
@@ -242,9 +242,9 @@ pub(crate) fn law_caption(stiffness: &StiffnessRecord) -> String {
     )
 }
 
-/// What the law in use is worth, as the page shows it.
+/// Error bands of the law in use, as the page shows them.
 #[derive(Debug, Serialize)]
-pub(crate) struct Worth {
+pub(crate) struct LawErrors {
     /// Sentences.
     lines: Vec<String>,
     /// Load, kN, and in per cent: grid, meshes, scatter and band of the displacement, the same of the tangent.
@@ -285,7 +285,7 @@ pub(crate) fn assumed(stiffness: &StiffnessRecord) -> Option<AssumedRows> {
 }
 
 /// The error band of the law in use, if there is one.
-pub(crate) fn worth(stiffness: &StiffnessRecord) -> Option<Worth> {
+pub(crate) fn law_errors(stiffness: &StiffnessRecord) -> Option<LawErrors> {
     let band = stiffness.error_band.as_ref()?;
     let row = |p: &BandPointRecord| {
         let displacement = [p.grid_displacement, p.mesh_displacement, p.scatter_displacement];
@@ -296,7 +296,7 @@ pub(crate) fn worth(stiffness: &StiffnessRecord) -> Option<Worth> {
         [force, grid, mesh, scatter, band, tangent_grid, tangent_mesh, tangent_scatter, tangent_band]
     };
     let rows = band.of(&stiffness.reference)?.points.iter().map(row).collect();
-    Some(Worth { lines: stiffness.worth(), rows })
+    Some(LawErrors { lines: stiffness.law_errors(), rows })
 }
 
 /// Relative changes and the band of their sum in per cent, all with the decimals of the band's second digit: a change below that is 0 without a sign.

@@ -44,7 +44,12 @@ pub struct SurfaceKeys {
     /// Whether y counts towards the track centre in the profile file, as in that of a left rail or wheel: it is then turned over. Left out, what the file says, its format has by convention, or the wheel's flange shows.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub profile_mirrored: Option<bool>,
-    /// Whether the measured profile is placed on the standard (origin, rotation and side found as by `railspring profile place`), or taken as it stands: the origin of a rail at the unworn top, on the axis, not inclined; that of a wheel at the tape circle, not turned. Left out, it is taken as it stands, and placed if it evidently lies elsewhere. Of no standard, a rail has its highest point as its top and is turned upright if its two sides are inclined; a wheel is moved to its flange back.
+    /// Whether the measured profile is placed on the standard, or taken as it stands. Placed, its origin,
+    /// rotation and side are those of `railspring profile place`. As it stands, the origin of a rail is at
+    /// the unworn top, on the axis, and the rail is not inclined; that of a wheel is at the tape circle, and
+    /// the wheel is not turned. Left out, the profile is taken as it stands, and placed if it evidently lies
+    /// elsewhere. Of no standard, a rail has its highest point as its top and is turned upright if its two
+    /// sides are inclined; a wheel is moved to its flange back.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-field" = "{section}_aligned"))]
     pub profile_aligned: Option<bool>,

@@ -27,7 +27,7 @@ pub struct ScenarioKeys {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0, max = 2.0), extend("x-field" = InputField::Friction.name()))]
     pub friction: Option<f64>,
-    /// Mass on the vertical spring and damper, t; without one (0) the vertical force acts on the wheel unchanged. Left out, that of the publication, which is said.
+    /// Mass on the vertical spring and damper, t; without one (0) the vertical force acts on the wheel unchanged. Left out, that of the publication, which a notice names.
     #[serde(default = "default_suspended_mass")]
     #[schemars(range(min = 0.0, max = 200.0), extend("x-field" = InputField::SuspendedMass.name()))]
     pub suspended_mass_t: f64,

@@ -1,4 +1,4 @@
-//! Materials of the bodies: what they are, what their keys are worth, and what is refused.
+//! Materials of the bodies: what they are, what their keys mean, and what is refused.
 
 use railspring_calibrate::solid::Material;
 

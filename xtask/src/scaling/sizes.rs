@@ -9,7 +9,7 @@ use railspring_profiles::monitor::Monitor;
 /// Refinements between which is searched: elements so many times smaller than those of the study.
 const RANGE: [f64; 2] = [0.35, 16.0];
 /// Degrees of freedom may differ by this share from what is wanted: layers and rings are whole numbers.
-const CLOSE: f64 = 0.02;
+const SIZE_TOLERANCE: f64 = 0.02;
 /// Most sections that are meshed for one size.
 const TRIALS: usize = 12;
 
@@ -58,7 +58,7 @@ impl<'a> Sizes<'a> {
             Ok((refined, self.count(refined)?))
         };
         let mut least = self.coarsest;
-        if target < (1.0 - CLOSE) * least.1 {
+        if target < (1.0 - SIZE_TOLERANCE) * least.1 {
             return Err(InputError::new(
                 "--from",
                 wanted,
@@ -98,7 +98,7 @@ fn between(
     let off = |found: &(f64, f64)| (found.1 / target).ln().abs();
     let mut best = if off(&least) < off(&most) { least } else { most };
     for _ in 0..TRIALS {
-        if off(&best) < CLOSE {
+        if off(&best) < SIZE_TOLERANCE {
             break;
         }
         let middle = count((least.0 * most.0).sqrt())?;

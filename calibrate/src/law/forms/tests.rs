@@ -65,7 +65,7 @@ fn laws() -> [NormalLaw; 5] {
     ]
 }
 
-fn largest(off: &[OffAt]) -> [f64; 2] {
+fn largest(off: &[LawError]) -> [f64; 2] {
     let most = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, |most: f64, off| most.max(off.abs()));
     [most(&mut off.iter().filter_map(|at| at.tangent)), most(&mut off.iter().map(|at| at.displacement))]
 }
@@ -141,10 +141,10 @@ fn a_law_is_found_again() {
         let fits = fit_forms(&solid, power).unwrap();
         let found = fits.iter().find(|fit| fit.law.form() == form).unwrap();
         assert!(
-            largest(&found.off).iter().all(|off| *off < SETTLED),
+            largest(&found.errors).iter().all(|off| *off < SETTLED),
             "{:?} {:?}",
             found.law,
-            largest(&found.off)
+            largest(&found.errors)
         );
     }
     let NormalLaw::Steps(found) =
@@ -172,7 +172,7 @@ fn fit_law_of(solid: &[Solid]) -> StiffnessLaw {
 fn the_law_with_a_step_follows_s1002_on_60e1() {
     let solid = s1002();
     let fits = fit_forms(&solid, fit_law_of(&solid)).unwrap();
-    let of = |form: Form| largest(&fits.iter().find(|fit| fit.law.form() == form).unwrap().off);
+    let of = |form: Form| largest(&fits.iter().find(|fit| fit.law.form() == form).unwrap().errors);
     let near = |form: Form, expected: [f64; 2]| {
         let found = of(form);
         for n in 0..2 {
@@ -187,7 +187,7 @@ fn the_law_with_a_step_follows_s1002_on_60e1() {
     // the table has the tangents themselves, and what lies between two loads of the step it does not know
     let table = of(Form::Table);
     assert!(table[1] < 0.02 && table[0] > 0.05, "{table:?}");
-    let first = fits.last().unwrap().off[0];
+    let first = fits.last().unwrap().errors[0];
     assert!(
         first.displacement.abs() < ROUNDOFF && first.tangent.is_none(),
         "the table begins with the displacement of the solid: {first:?}"

@@ -195,9 +195,10 @@ fn plate(depth: f64) -> SectionOutline {
     SectionOutline { fine, rest: corners.map(|(y, z)| Point2::new(y, z)).to_vec() }
 }
 
-/// Goal: under layers of 9 mm a plate of 9.5 mm is filled with seven tenths of their thickness, as they leave too flat elements below them, and one of 5 mm,
-/// in which they do not fit at all, with 0.35 of it; the sharp corners of its edges, which are as near to each other, are met. A plate of 3.3 mm is refused with the
-/// place. Accuracy: rounding.
+/// Goal: layers of 9 mm become thinner where they do not fit. A plate of 9.5 mm, in which they leave too flat
+/// elements, is filled with 0.7 of their thickness. A plate of 5 mm, in which they do not fit at all, is
+/// filled with 0.35 of it. The sharp corners of its edges, which are as near to each other, are met. A plate
+/// of 3.3 mm is refused with the place. Accuracy: rounding.
 #[test]
 fn layers_are_thinner_where_the_section_is() {
     let sizes = SectionSizes { first_layer: 4e-3, ..SIZES };

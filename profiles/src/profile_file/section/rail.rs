@@ -15,7 +15,7 @@ use crate::profile_file::measured::MeasuredPoint;
 use crate::units::MILLIMETRE;
 
 /// Parts of the height at the top and at the bottom of which the widths are compared.
-const PART: f64 = 0.15;
+const END_SHARE: f64 = 0.15;
 /// Ratio of the widths from which it is certain which of them is the foot's.
 const WIDER: f64 = 1.05;
 /// Departure from symmetry that is said, m.
@@ -87,7 +87,7 @@ fn check_head(name: &str, running: &ProfileCurve, ring: &[MeasuredPoint]) -> Res
 /// Whether the foot, the wider end, is at small z.
 fn foot_is_up(name: &str, ring: &[MeasuredPoint]) -> Result<bool> {
     let (low, high) = bounds(ring);
-    let depth = PART * (high.y - low.y);
+    let depth = END_SHARE * (high.y - low.y);
     let wide = |z| {
         let (least, most) = width(ring, z);
         most - least
@@ -115,7 +115,7 @@ fn frame_of(name: &str, ring: &[MeasuredPoint], findings: &mut Vec<Finding>) -> 
     let mut frame = Frame { mirrored: false, upside_down, shift: Vector2::zeros() };
     let ring = frame.ring(ring);
     let (low, high) = bounds(&ring);
-    let foot = width(&ring, high.y - PART * (high.y - low.y)..=high.y);
+    let foot = width(&ring, high.y - END_SHARE * (high.y - low.y)..=high.y);
     frame.shift = Vector2::new(-0.5 * (foot.0 + foot.1), -low.y);
     frame.say_shift("the middle of the foot to y = 0, the top to z = 0", findings);
     Ok(frame)

@@ -1,9 +1,12 @@
 //! The head of a rail between held ends.
 //!
-//! The head moves with the section of the beam under it and, beyond that, at once with the force on it. In the middle of a long rail it has all of the section's motion and
-//! the flexibility of the condensed head. Near a held end a beam without warping is too flexible: there the head has a share of its motion only, such that the beam has no more than a rail whose ends hinder it from
-//! warping ([`HeldRail`]); what such a rail has beyond the beam's share, and the head's flexibility at that distance, follow the force. So the head on its rail is as flexible as the
-//! solid's everywhere, it stores no negative energy, and forces and motions belong to each other.
+//! The head moves with the section of the beam under it and, beyond that, at once with the force on it. In
+//! the middle of a long rail it has all of the section's motion and the flexibility of the condensed head.
+//! Near a held end a beam without warping is too flexible. There the head has only a share of the beam's
+//! motion, so that the beam is as flexible as a rail whose ends hinder it from warping ([`HeldRail`]). The
+//! rest of such a rail's flexibility, and the head's flexibility at that distance, follow the force. So the
+//! head on its rail is as flexible as the solid's everywhere, it stores no negative energy, and forces and
+//! motions are conjugate.
 
 use nalgebra::Vector3;
 

@@ -48,8 +48,10 @@ fn part((i, j): (usize, usize)) -> Matrix3<f64> {
     part
 }
 
-/// The change of the head's flexibility (motions y, z and rotation about the node line under forces and a torque there) with which the `hubs` are off the least: least squares of their lateral, coupling and vertical flexibility, relative,
-/// each contact having some of it, and of what the change costs. Only `parts` of it change.
+/// The change of the head's flexibility with which the `hubs` are off the least. The flexibility has motions
+/// y, z and rotation about the node line under forces and a torque there. The least squares are of the
+/// lateral, coupling and vertical flexibility of the hubs, relative, and of the cost of the change. Each
+/// contact has a part of the change. Only `parts` of it change.
 pub(super) fn missing_in_head(hubs: &[Hub], parts: HeadParts) -> Matrix3<f64> {
     let count = parts.len();
     let (mut normal, mut right) = (DMatrix::zeros(count, count), DVector::zeros(count));

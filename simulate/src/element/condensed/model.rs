@@ -41,7 +41,7 @@ pub struct CondensedModel {
 }
 
 impl CondensedModel {
-    /// Steps of a run unless its scenario has others. In the published load cases P and Q are then off by 0.2 % of their peaks (RMS) at most (`cargo long own_steps`), a fifth of what the solid's steps are worth.
+    /// Steps of a run unless its scenario has others. In the published load cases P and Q are then off by 0.2 % of their peaks (RMS) at most (`cargo long own_steps`), a fifth of the error of the solid's steps.
     /// Eighths are the longest with which small forces, of which the tolerance says little, have the phase of the wheel's vibrations.
     pub const STEPS: InnerSteps = InnerSteps::Adaptive(StepControl { least: 8, most: 128, tolerance: 0.01 });
 

@@ -125,8 +125,9 @@ fn a_falling_wheel_meets_hertz() {
     }
 }
 
-/// Source: weight times height. Goal: a wheel that bounces without damping and friction for 10,000 steps (J), of 0.5 ms with sixteen in each, with those of a study, and of the sixteenth
-/// alone, keeps its energy within 0.1 % and gains none: as much in the second half as in the first.
+/// Source: weight times height. Goal: a wheel that bounces without damping and friction for 10,000 steps
+/// keeps its energy (J) within 0.1 % and gains none. It keeps as much in the second half as in the first.
+/// Steps are of 0.5 ms with sixteen in each, with those of a study, and of the sixteenth alone.
 #[test]
 fn a_bouncing_wheel_keeps_its_energy() {
     const ACCURACY: f64 = 1e-3;
@@ -223,11 +224,12 @@ fn on_flank(angle: f64, mass: f64) -> CondensedModel {
     model(rail, wheel, rigid_wheel(mass), uniform(4e10, 0.8))
 }
 
-/// Source: a block on a plane; M.J. Nadal, "Locomotives à vapeur" (1908): Q/P = (tan γ - µ)/(1 + µ·tan γ) where a lifted wheel slides down,
-/// (tan γ + µ)/(1 - µ·tan γ) where it is pushed up. Goal: the forces (N) of a wheel that slides along a flank of 60 and of 70 degrees, either way, and its
-/// acceleration along it (m/s²). Accuracy: four digits of the ratio, which neither the stiffness nor the motion along the normal changes; of the
-/// normal force a hundredth, as the start is that of a parabola, and of the acceleration under it, of which thirteen places
-/// are known within two periods, a tenth of that.
+/// Source: a block on a plane; M.J. Nadal, "Locomotives à vapeur" (1908): Q/P = (tan γ - µ)/(1 + µ·tan γ)
+/// where a lifted wheel slides down, (tan γ + µ)/(1 - µ·tan γ) where it is pushed up. Goal: the forces (N) of
+/// a wheel that slides along a flank of 60 and of 70 degrees, either way, and its acceleration along it
+/// (m/s²). Accuracy: four digits of the ratio, which neither the stiffness nor the motion along the normal
+/// changes. The normal force is met to a hundredth, as the start is that of a parabola. The acceleration
+/// under it, of which thirteen places are known within two periods, is met to a tenth of that.
 #[test]
 fn a_flank_has_the_forces_of_nadal() {
     const PRINTED: f64 = 1e-4;
@@ -280,10 +282,12 @@ fn a_flank_has_the_forces_of_nadal() {
     }
 }
 
-/// Source: a mass on a spring. Goal: a wheel that lies on the rail under 100 kN and is struck aside, so that it sticks, swings on the tangential stiffness, here
-/// 0.8 of the normal one (1.5·C·√δ), with the period 2π√(m/k) (s), and comes back to where it was (m): no creep is left.
-/// Accuracy: average acceleration lengthens the period by (ωh)²/12, 1e-4; the normals of the strips are off the vertical by up to 0.03, and the edges of the contact
-/// slip under a hundredth of the limit, which takes a sixth of that off the stiffness.
+/// Source: a mass on a spring. Goal: a wheel that lies on the rail under 100 kN and is struck aside, so that
+/// it sticks, swings on the tangential stiffness with the period 2π√(m/k) (s). That stiffness is 0.8 of the
+/// normal one (1.5·C·√δ) here. The wheel comes back to where it was (m): no creep is left. Accuracy: average
+/// acceleration lengthens the period by (ωh)²/12, 1e-4. The normals of the strips are off the vertical by up
+/// to 0.03. The edges of the contact slip under a hundredth of the limit, which takes a sixth of that off the
+/// stiffness.
 #[test]
 fn a_stuck_wheel_swings_on_the_tangential_stiffness() {
     const MODEL: f64 = 2e-3;

@@ -63,9 +63,10 @@ impl Outline {
         }
     }
 
-    /// How a run ends whose step to `time` (s) has this solution, if it does: the wheel has left the rail, where no point of its
-    /// running surface is over the rail's any more or a contact that carries load has passed the end of a profile; or load stands on
-    /// an end of the rail's profile while the wheel is still over it, and the profile is too short.
+    /// How a run ends whose step to `time` (s) has this solution, or `None`. The wheel has left the rail
+    /// where no point of its running surface is over the rail's any more, or a contact that carries load has
+    /// passed the end of a profile. The profile is too short where load stands on an end of the rail's
+    /// profile while the wheel is still over it.
     pub fn ending(&self, solution: &Solution, time: f64) -> Option<Ending> {
         let pose = &solution.pose;
         let extent = |points: &[Vector2<f64>], turn: f64, at: f64| {

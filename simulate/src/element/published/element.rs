@@ -76,9 +76,9 @@ pub fn master_stiffness(pair: &Matrix4<f64>, transformation: &SMatrix<f64, 4, 6>
     transformation.transpose() * pair * transformation
 }
 
-/// Equation (9), the matrix T6×18: motion of the masters B and C from the translations and rotations
-/// of B, I and J. `functions` are N1 to N4 at C for directions 1 and 2 (the same cubic Hermite functions in the
-/// publication), `ratio` is S_n, the length J-C over the length I-J.
+/// Equation (9), the matrix T6×18: motion of the masters B and C from the translations and rotations of B, I
+/// and J. `functions` are N1 to N4 at C for directions 1 and 2, the same cubic Hermite functions in the
+/// publication. `ratio` is S_n, the length J-C over the length I-J.
 pub fn global_transformation(
     axes: &[Vector3<f64>; 3],
     functions: &[[f64; 4]; 2],

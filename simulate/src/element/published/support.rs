@@ -239,9 +239,10 @@ impl<'a> RailDynamics<'a> {
         PartEnergy { work: torsion * turned, damped, ..PartEnergy::default() }
     }
 
-    /// Work of what moves the contact along the rail in a step from `before` to `after`, J: what its forces (directions 1, 2 and moment 3; at both ends of the step)
-    /// do to the nodes, less what they do to the surface under the wheel, which comes down as the wheel rolls down a slope. The surface has `shares` of the
-    /// motion of its section.
+    /// Work of the forces that move the contact along the rail in a step from `before` to `after`, J. Forces
+    /// have directions 1, 2 and moment 3, and are given at both ends of the step. The work is that on the
+    /// nodes, less that on the surface under the wheel, which comes down as the wheel rolls down a slope. The
+    /// surface has `shares` of the motion of its section.
     pub fn driven(
         &self,
         [before, after]: [&RailState; 2],

@@ -56,9 +56,11 @@ fn patch(window: &CondensedBody, at: f64, axis: usize) -> Vec<f64> {
     forces.iter().map(|force| force / sum).collect()
 }
 
-/// Source: solids whose contact zone is at the place. Goal: displacements (m/N) of a patch under unit forces across the track and down on it, at the gauge corner and on the crown, 60, 100 and 200 mm from an end
-/// of a rail of 0.5 m, over the root of the product of both solids' own flexibilities; those of the middle are up to four times as large. Accuracy: DISCRETISATION of bending and torsion across the track, 3 %: the solids have
-/// elements up to 40 mm long, the path 10 mm; down 1 %.
+/// Source: solids whose contact zone is at the place. Goal: displacements (m/N) of a patch under unit forces
+/// across the track and down on it, over the root of the product of both solids' own flexibilities. Patches
+/// are at the gauge corner and on the crown, 60, 100 and 200 mm from an end of a rail of 0.5 m. Displacements
+/// in the middle are up to four times as large. Accuracy: DISCRETISATION of bending and torsion across the
+/// track, 3 %, and down 1 %. The solids have elements up to 40 mm long, the path 10 mm.
 #[test]
 fn the_rail_at_a_place_is_the_solid_there() {
     const DISCRETISATION: f64 = 0.03;

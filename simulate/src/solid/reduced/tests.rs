@@ -87,10 +87,12 @@ fn a_reduced_body_is_a_linear_part() {
     }
 }
 
-/// Source: the body at full order, whose step is solved with all equations. Goal: displacements of contact nodes and hub (m) in 40 steps, six to a period of
-/// the block along its axis, under forces on hub and contact, come to it with the modes: without any the inertia of what is held is missing, with all
-/// it is the same. Accuracy: MODES, what a uniform load, which is not among the loads of the modes, leaves with 8 and with 24 of them, in the open middle
-/// between measured 4 % and 0.8 % and the next power of ten; ROUNDOFF with all of them, 40 steps of a matrix of the condition 1e5.
+/// Source: the body at full order, whose step is solved with all equations. Goal: displacements of contact
+/// nodes and hub (m) come to it with the modes. They are of 40 steps, six to a period of the block along its
+/// axis, under forces on hub and contact. Without any modes the inertia of what is held is missing. With all
+/// modes it is the same. Accuracy: MODES. A uniform load is not among the loads of the modes. With 8 and with
+/// 24 of them it leaves a difference, in the open middle between the measured 4 % and 0.8 % and the next
+/// power of ten. With all of them: ROUNDOFF, 40 steps of a matrix of the condition 1e5.
 #[test]
 fn modes_bring_a_body_to_full_order() {
     const MODES: [f64; 2] = [0.1, 0.02];

@@ -79,9 +79,11 @@ impl Blocks {
     }
 }
 
-/// Goal: a wheel that falls from 50 µm with 1 m/s on a crest beside the mesh of the rail, beside that of the wheel or beside both ends its run in the step of
-/// 20 µs in which it comes down, 60 µs after the start, with the place on the rail, the crest, m; where both meshes hold the crest it touches, and
-/// the run goes on. Accuracy of the place: half the distance of the places at which the gap is looked at.
+/// Goal: a wheel falls from 50 µm with 1 m/s on a crest. Where the crest lies beside the mesh of the rail,
+/// beside that of the wheel or beside both, the run ends in the step of 20 µs in which it comes down, 60 µs
+/// after the start. The ending has the place of the crest on the rail, m. Where both meshes hold the crest it
+/// touches, and the run goes on. Accuracy of the place: half the distance of the places at which the gap is
+/// looked at.
 #[test]
 fn a_wheel_that_comes_down_beside_the_mesh_ends_its_run() {
     const SPACING: f64 = 0.5e-3;

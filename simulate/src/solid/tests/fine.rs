@@ -138,13 +138,15 @@ impl Crowned {
     }
 }
 
-/// Goal: under a load that grows in long steps the fine contact of a step is the static one of [`WheelOnRail::press`] under the
-/// same contact force, without and with friction, whose history both have: displacement of the hub (m), forces on the nodes (N).
-/// The blocks are so small that both have the far field of all their nodes. Accuracy: MODEL, the inertia of the wheel's block, which
-/// bends it and has 7e-5 of the mass, in a far field whose values between neighbours stand for others, 1e-7; SOLVER, 1e-10 of the
-/// largest force, 6e-8 N, at each of 300 points, added at random, over the stiffness 4·m/Δt² of the hub alone, 9e-11 m of 7e-5 m.
-/// The forces at the nodes follow to the same. PAIRING: the statics pairs where the hub is, at the rim of the patch with normals that lie
-/// b/R beside the vertical, along which the approach is taken as `1/cos` of it in the rigid gap and as `cos` in the rest: (b/R)² of it.
+/// Goal: under a load that grows in long steps the fine contact of a step is the static one of
+/// [`WheelOnRail::press`] under the same contact force. It is so without and with friction, whose history
+/// both have. Compared are displacement of the hub (m) and forces on the nodes (N). The blocks are so small
+/// that both have the far field of all their nodes. Accuracy: MODEL, 1e-7: the inertia of the wheel's block,
+/// which bends it and has 7e-5 of the mass, in an interpolated far field. SOLVER, 1e-10 of the largest force,
+/// 6e-8 N, at each of 300 points, added at random, over the stiffness 4·m/Δt² of the hub alone, 9e-11 m of
+/// 7e-5 m. The forces at the nodes follow to the same. PAIRING, (b/R)² of the approach: the statics pairs
+/// where the hub is, at the rim of the patch with normals that lie b/R beside the vertical. Along these the
+/// approach is taken as `1/cos` of it in the rigid gap and as `cos` in the rest.
 #[test]
 #[ignore = "a quarter of a minute: cargo long fine"]
 fn a_slow_load_gives_the_static_state() {
@@ -241,12 +243,13 @@ fn a_heavy_body_follows_hertz() {
     }
 }
 
-/// Source: momentum and energy. Goal: a block that strikes an equal one at rest, both free, or, at either order, one that is held: momentum (N·s)
-/// is kept to SOLVER, of the held one that of the wheel against the impulse of the force; the energy (J) of the bodies is the work of
-/// the nodal forces to SOLVER, and of free ones that work is back when they part, as the near
-/// field between them stores energy and takes none: but for F·v·Δt/2 at both ends, with the force of the first and last step, and
-/// for the trapezoidal rule on Hertz' law, (Δt/T)² of the energy, and for the changes of the grid with the patch: DISCRETISATION, 0.1 % of the approach on
-/// some ten cells across it, of the energy of Hertz' contact under the largest force.
+/// Source: momentum and energy. Goal: a block strikes an equal one at rest, both free, or one that is held,
+/// at either order. Momentum (N·s) is kept to SOLVER, with a held block that of the wheel against the impulse
+/// of the force. The energy (J) of the bodies is the work of the nodal forces to SOLVER. Between free bodies
+/// that work is back when they part, as the near field between them stores energy and takes none. Three
+/// errors remain. One is F·v·Δt/2 at both ends, with the force of the first and last step. The trapezoidal
+/// rule on Hertz' law leaves (Δt/T)² of the energy. The grid changes with the patch: DISCRETISATION, 0.1 % of
+/// the approach on some ten cells across it, of the energy of Hertz' contact under the largest force.
 #[test]
 fn a_fine_contact_keeps_momentum_and_energy() {
     const SOLVER: f64 = 1e-9;

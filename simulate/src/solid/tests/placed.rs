@@ -74,10 +74,11 @@ struct Touch {
     normal: f64,
 }
 
-/// Source: rigid bodies on springs. Where two circles that are turned by φ touch, the normal is at the same angle a to the vertical on both, so
-/// that the places are at a - φ; φ and the displacements are those of the springs under the force along the normal, whose vertical
-/// part is `vertical` (N); both places are at the same y, but for the approach (m) along the normal. `hub` is the displacement of
-/// the wheel's hub to the side, with its first place, m.
+/// Source: rigid bodies on springs. Where two circles that are turned by φ touch, the normal is at the same
+/// angle a to the vertical on both, so that the places are at a - φ. The angle φ and the displacements are
+/// those of the springs under the force along the normal, whose vertical part is `vertical` (N). Both places
+/// are at the same y, but for the `approach` (m) along the normal. `hub` is the displacement of the wheel's
+/// hub to the side, with its first place, m.
 fn rigid_touch(vertical: f64, hub: f64, approach: f64) -> Touch {
     let side = |angle: f64, force: Vector2<f64>, body: usize| {
         let mut place = angle;
@@ -240,11 +241,13 @@ const HEIGHT: f64 = 0.03;
 /// DISCRETISATION, rad: a hundredth of a cell on the rail, for a patch that is eight of them wide and lies anywhere on the grid.
 const DISCRETISATION: f64 = 0.01 * CELL / RADII[0];
 
-/// Source: [`rigid_touch`]. Goal: places on rail and wheel and the direction of the force (rad) of frictionless blocks on springs that turn and
-/// move them aside under the load, on the nodes and on the fine grid; a mirror image has mirrored ones, and half the steps change
-/// nothing; forces on both bodies are in balance. Paired where the hub is, the bodies touched 23 mrad from there on the rail (2.3 mm)
-/// and 5 on the wheel (1.1 mm), and the force was off by 17 mrad. Accuracy: DISCRETISATION, twice that between two runs, and ROUNDOFF between nodes
-/// that are mirror images; MODEL, each block turns by itself as well, 150 N·m over E·I/h = 7.6e6 N·m.
+/// Source: [`rigid_touch`]. Goal: places on rail and wheel and the direction of the force (rad) of
+/// frictionless blocks, on the nodes and on the fine grid. Their springs turn them and move them aside under
+/// the load. A mirror image has mirrored places, and half the steps change nothing. Forces on both bodies are
+/// in balance. Paired where the hub is, the bodies touched 23 mrad from there on the rail (2.3 mm) and 5 on
+/// the wheel (1.1 mm), and the force was off by 17 mrad. Accuracy: DISCRETISATION, twice that between two
+/// runs, and ROUNDOFF between nodes that are mirror images; MODEL, each block turns by itself as well, 150
+/// N·m over E·I/h = 7.6e6 N·m.
 #[test]
 fn bodies_on_springs_touch_where_the_springs_take_them() {
     const MODEL: f64 = 2.0 * 2e-5;
@@ -270,9 +273,10 @@ fn bodies_on_springs_touch_where_the_springs_take_them() {
     }
 }
 
-/// Source: [`rolling_touch`]. Goal: places and the direction of the force (rad) where friction holds the same blocks together while the
-/// places wander over the profiles by a millimetre: pairing anew makes no slip, of which a micrometre changes the lateral force by 0.4 N. Accuracy:
-/// DISCRETISATION, and MODEL as without friction.
+/// Source: [`rolling_touch`]. Goal: places and the direction of the force (rad) where friction holds the same
+/// blocks together while the places wander over the profiles by a millimetre. Pairing anew makes no slip: a
+/// micrometre of it changes the lateral force by 0.4 N. Accuracy: DISCRETISATION, and MODEL as without
+/// friction.
 #[test]
 fn bodies_that_stick_roll_on_each_other() {
     const MODEL: f64 = 2.0 * 2e-5;

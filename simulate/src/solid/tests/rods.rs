@@ -2,11 +2,13 @@
 
 use super::*;
 
-/// Source: A. Barré de Saint-Venant (1867); Graff, section 2.4. A rod of the length L strikes one of 2·L at rest, or is struck by it: the force is
-/// ρ·c·v·A/2 (N) for the time 2·L/c (s), in which a wave runs through the shorter rod and back. That has then all of the momentum of its mass and speed that
-/// the other one loses, so that the centres part with half of the speed (m/s) with which they met, whichever of them moved; half of the energy is left
-/// in waves of the longer rod. Goal: force, momentum of each rod (N·s), speed at which the centres part. Accuracy: PLATEAU of the force, the front for
-/// what the waves bring back, SOLVER for the sum of the momenta in every step.
+/// Source: A. Barré de Saint-Venant (1867); Graff, section 2.4. A rod of the length L strikes one of 2·L at
+/// rest, or is struck by it. The force is ρ·c·v·A/2 (N) for the time 2·L/c (s), in which a wave runs through
+/// the shorter rod and back. Then the shorter rod has all of the momentum of its mass and speed that the
+/// other one loses. The centres part with half of the speed (m/s) with which they met, whichever of them
+/// moved. Half of the energy is left in waves of the longer rod. Goal: force, momentum of each rod (N·s),
+/// speed at which the centres part. Accuracy: PLATEAU of the force, the front for what the waves bring back,
+/// SOLVER for the sum of the momenta in every step.
 #[test]
 fn rods_of_unequal_length_part_with_half_of_their_speed() {
     let dt = LENGTH / wave_speed() / ELEMENTS as f64;

@@ -55,11 +55,12 @@ fn struck(ahead: &[f64]) -> f64 {
     force
 }
 
-/// Goal: the contact force (N) of a wheel that strikes a crown, both of 10 mm radius, on meshes with lines every 0.005 mm around the rim of what
-/// overlaps without contact forces is that on meshes with lines every 0.25 mm. That rim lies √(2·R·44 µm) = 0.94 mm ahead of the middle, the patch
-/// ends at 0.6 mm, and the points of the grid there, at its smallest cells of 0.5 mm, have their neighbours at 1 mm: a line of the coarse mesh
-/// further, thirteen of the fine one, and each widening by a line alone would end after six. Accuracy: DISCRETISATION of the bodies beyond their
-/// half-spaces, 2 %.
+/// Goal: the contact force (N) of a wheel that strikes a crown, both of 10 mm radius, does not depend on
+/// lines of the mesh around the rim of the overlap without contact forces. One mesh has lines every 0.005 mm
+/// there, the other every 0.25 mm. That rim lies √(2·R·44 µm) = 0.94 mm ahead of the middle, and the patch
+/// ends at 0.6 mm. The points of the grid there, at its smallest cells of 0.5 mm, have their neighbours at 1
+/// mm. That is a line of the coarse mesh further and thirteen of the fine one. Widening by one line at a time
+/// would end after six. Accuracy: DISCRETISATION of the bodies beyond their half-spaces, 2 %.
 #[test]
 fn a_grid_is_widened_over_many_lines_of_the_mesh() {
     const DISCRETISATION: f64 = 0.02;

@@ -15,10 +15,13 @@ fn vbi(duration: f64, way: Way, wheels: Wheels) -> TrackCase {
     }
 }
 
-/// Source: program VBI-2D, cases A to A4: a mass on a spring of 1.595e6 N/m crosses a bridge of 25 m; A2 with a ramp of 10 mm from a third to the half, A3 with a
-/// damper of 4e5 N·s/m as well, A4 gaining 10 m/s² besides. For A3 and A4 also an independent solution of the same equations by twenty modes with the method of Runge and Kutta.
-/// Goal: deflection (m) of the middle at a quarter, half and three quarters of a second, and the largest. Accuracy: DISCRETISATION of the largest deflection. MODEL: the printed values of A3 and A4
-/// are 0.15 and 0.16 % above that independent solution, of which 0.05 and 0.04 % go where the damper does not feel the slope of the bridge.
+/// Source: program VBI-2D, cases A to A4: a mass on a spring of 1.595e6 N/m crosses a bridge of 25 m. A2 has
+/// a ramp of 10 mm from a third to the half, A3 a damper of 4e5 N·s/m as well. A4 also gains 10 m/s². For A3
+/// and A4 also an independent solution of the same equations by twenty modes with the method of Runge and
+/// Kutta. Goal: deflection (m) of the middle at a quarter, half and three quarters of a second, and the
+/// largest. Accuracy: DISCRETISATION of the largest deflection. MODEL: the printed values of A3 and A4 are
+/// 0.15 and 0.16 % above that independent solution, of which 0.05 and 0.04 % go where the damper does not
+/// feel the slope of the bridge.
 #[test]
 fn a_sprung_mass_crosses_as_in_vbi_2d() {
     let ramp = Irregularity::Corners(vec![(0.0, 0.0), (25.0 / 3.0, 0.0), (12.5, 0.01), (25.0, 0.01)]);

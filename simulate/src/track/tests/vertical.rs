@@ -23,8 +23,9 @@ fn trial<const N: usize>(track: &Track, x: f64) {
     assert!(found.largest() < ROUNDOFF, "{x}: {found:?}");
 }
 
-/// Goal: the rules of a linear part, under an accelerated ground: a rail on sleepers and a bed, one held at a node in the middle and at both ends, a rail
-/// on a bridge; the wheel at nodes, inside of elements, over a support and at the last end.
+/// Goal: the rules of a linear part, under an accelerated ground. Rails are one on sleepers and a bed, one
+/// held at a node in the middle and at both ends, and one on a bridge. The wheel is at nodes, inside of
+/// elements, over a support and at the last end.
 #[test]
 fn a_track_keeps_the_rules_of_a_linear_part() {
     let mut sleepers = on_sleepers(12, 0.3);

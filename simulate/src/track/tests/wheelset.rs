@@ -65,8 +65,9 @@ fn a_moment_unloads_a_wheel_and_the_mirrored_case_the_other() {
     }
 }
 
-/// Goal: a wheelset that falls with one wheel over a step comes to rest with both wheels on the rail and its weight on both (N) within the damping of ten periods of the mass above; the sum of
-/// forces is that of gravity on the mean. Accuracy: REST, the share of the force that moves yet.
+/// Goal: a wheelset that falls with one wheel over a step comes to rest with both wheels on the rail and its
+/// weight on both (N). It does so within the damping of ten periods of the mass above. The sum of forces is
+/// that of gravity on the mean. Accuracy: REST, the share of the force that still moves.
 #[test]
 fn a_wheelset_that_falls_comes_to_rest() {
     const REST: f64 = 0.02;

@@ -6,7 +6,7 @@ use super::input::InTimeInput;
 use super::make::crosscheck;
 use crate::engine::list::NewFile;
 use crate::engine::output::{OutputFolder, to_json};
-use crate::engine::stage::{Engine, Made, Stage};
+use crate::engine::stage::{Engine, Stage, StageOutput};
 use crate::engine::store::{Address, Artefact};
 use crate::python::{self, Python};
 use crate::results::bodies::estimate::Resources;
@@ -32,10 +32,10 @@ impl Stage for CrosscheckInTime<'_> {
         Ok(self.input.address((python::package_hash_in_time(), self.python.versions())))
     }
 
-    fn make(&mut self, engine: &mut Engine<'_>) -> Result<Made> {
+    fn make(&mut self, engine: &mut Engine<'_>) -> Result<StageOutput> {
         let folder = OutputFolder::create(&engine.folder.file(EXCHANGE_FOLDER), engine.folder.inputs())?;
         let record = crosscheck(&self.input, &folder, self.python, &self.resources)?;
-        Ok(Made::whole(Artefact::default().with(CROSSCHECK, to_json(&record))))
+        Ok(StageOutput::whole(Artefact::default().with(CROSSCHECK, to_json(&record))))
     }
 
     fn value(&mut self, artefact: &Artefact, _: &str) -> Result<CrosscheckRecord> {

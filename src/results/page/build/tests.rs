@@ -17,7 +17,7 @@ use crate::results::verdict::record::{
 };
 use crate::rounding::significant;
 use crate::study::{IntendedUseKeys, ReviewKeys};
-use crate::verify::{self, Band, Carrying, ChangedLimit, Limits, Spread, Worth, compare};
+use crate::verify::{self, Band, Carrying, ChangedLimit, Limits, NumericalUncertainty, Spread, compare};
 
 fn build_sample() -> Report {
     let (record, sections) = (samples::crosscheck(), samples::sections());
@@ -87,7 +87,8 @@ fn band(solid: &History) -> Band {
 
 fn verdict(simple: &History, solid: &History) -> VerificationRecord {
     let (disturbed, spread) = disturbed(solid);
-    let worth = |spread| Worth { steps: Err("made up".into()), spread, discretisation: Vec::new() };
+    let uncertainty =
+        |spread| NumericalUncertainty { steps: Err("made up".into()), spread, discretisation: Vec::new() };
     let alone = verify::ModelRun::alone;
     let model = verify::ModelRun { disturbed: Some((&disturbed, &spread)), ..alone(solid) };
     let comparison = compare(&alone(simple), &model, &Limits::default()).unwrap();
@@ -101,11 +102,11 @@ fn verdict(simple: &History, solid: &History) -> VerificationRecord {
     };
     let of_published = compare(&alone(&published), &model, &Limits::default()).unwrap();
     let elements = vec![element("condensed", &comparison), element("published", &of_published)];
-    let unknown = worth(Err("made up".into()));
+    let unknown = uncertainty(Err("made up".into()));
     let scenario = ScenarioVerdict {
         scenario: "sample".into(),
         simple: RunRecord::new(simple, None, unknown, vec!["P leaves the range".into()]),
-        solid: Some(RunRecord::new(solid, None, worth(Ok(spread.clone())), Vec::new())),
+        solid: Some(RunRecord::new(solid, None, uncertainty(Ok(spread.clone())), Vec::new())),
         lines: comparison.lines,
         not_applicable: comparison.not_applicable,
         compared: Some(comparison.compared),
@@ -174,8 +175,8 @@ fn the_page_is_complete_and_needs_nothing_else() {
     for word in [
         "verification",
         "P, RMS difference over the solid",
-        "solid model itself",
-        "of the wheel on the rail. Band: what the solid is worth itself, the change at each instant with an input that is 0.1 % larger, up to 275 ms. Light band: between 2.5 and 97.5 % at each instant of 64 quasi-random samples with the condensed element, 1 without a run, whose inputs depart by their uncertainties. From 100 ms on the motion of the solid is not determined",
+        "uncertainty of the solid",
+        "of the wheel on the rail. Band: the numerical uncertainty of the solid, the change at each instant with an input that is 0.1 % larger, up to 275 ms. Light band: between 2.5 and 97.5 % at each instant of 64 quasi-random samples with the condensed element, 1 without a run, whose inputs depart by their uncertainties. From 100 ms on the motion of the solid is not determined",
         "P: inputs by \u{b1}",
         "<td>largest P, kN</td><td class=\"n\">73.0</td><td class=\"n\">70.0</td><td class=\"n\">78.0</td><td>inclination of the rail 80 %</td>",
         "<td class=\"line\">0 to 99.5 ms</td>",
@@ -374,16 +375,16 @@ fn laws_without_all_loads_say_so() {
 
 /// Goal: the page has the error band of the law in use as sentence, table and bars; without a band it has none of them.
 #[test]
-fn the_page_says_what_the_law_is_worth() {
+fn the_page_has_the_error_band_of_the_law() {
     let stiffness = samples::stiffness();
-    let sentence = stiffness.worth().remove(0);
+    let sentence = stiffness.law_errors().remove(0);
     assert_eq!(
         sentence,
         "error band of the law (beam): displacement \u{b1}2.40 %, tangent \u{b1}5.00 % from 1 to 150 kN"
     );
     let bare = StiffnessRecord { error_band: None, ..stiffness.clone() };
-    assert!(tables::worth(&bare).is_none() && bare.worth().is_empty());
-    let rows = |stiffness| serde_json::to_value(tables::worth(stiffness)).unwrap()["rows"].clone();
+    assert!(tables::law_errors(&bare).is_none() && bare.law_errors().is_empty());
+    let rows = |stiffness| serde_json::to_value(tables::law_errors(stiffness)).unwrap()["rows"].clone();
     let rows = rows(&stiffness);
     assert_eq!(rows.as_array().unwrap().len(), 24);
     let none = "\u{2013}";

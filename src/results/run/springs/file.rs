@@ -18,7 +18,9 @@ use crate::results::run::record::{SpringsRecord, SpringsSource};
 use crate::results::run::springs::accepted::{ACCEPTED, accepted_reference};
 use crate::results::run::springs::contact_element::{of_laws, with_element};
 use crate::results::run::springs::in_si::springs;
-use crate::results::run::springs::of_study::{law_of_form, own, own_springs, revolved_mass, wheel_is_known};
+use crate::results::run::springs::of_study::{
+    law_of_form, own_springs, revolved_mass, springs_of_study, wheel_is_known,
+};
 use crate::results::run::springs::plausible::implausible;
 use crate::results::run::springs::written::{LARGEST_STIFFNESS, WrittenLaw, given};
 use crate::results::springs::record::{BeamFactors, StiffnessRecord};
@@ -64,7 +66,7 @@ pub fn from_file(input: &SpringsInput<'_>, geometry: &Geometry, path: &Path) -> 
     let is_own = |it: &&StiffnessRecord| it.input_hash == own_address.key();
     if let Some(stiffness) = calibration.as_ref().filter(is_own) {
         let springs = match &laws {
-            Some(laws) => own(input, stiffness, Some(laws))?,
+            Some(laws) => springs_of_study(input, stiffness, Some(laws))?,
             None => own_springs(input, stiffness)?,
         };
         return Ok(SpringsRecord {

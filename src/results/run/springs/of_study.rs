@@ -20,7 +20,7 @@ use crate::study::{ContactElementKey, LawKey};
 ///
 /// # Errors
 /// As [`check_reference`](super::check_reference); and laws without an element.
-pub fn own(
+pub fn springs_of_study(
     input: &SpringsInput<'_>,
     stiffness: &StiffnessRecord,
     laws: Option<&StiffnessByAngleRecord>,

@@ -173,8 +173,10 @@ fn the_condensed_element_is_that_beside_the_law() {
     assert!(another.contains("another-pair"), "{another}");
 }
 
-/// Goal: a study that asks for the lumped element has that of the laws by contact angle beside the law, with another hash than the condensed one's and, in SI units, the constants of the file; laws without it,
-/// and constants that no calibration writes, are refused with their key. Springs go from one element to another and back, and the published one needs no laws.
+/// Goal: a study that asks for the lumped element has that of the laws by contact angle beside the law. Its
+/// hash differs from that of the condensed one. In SI units it has the constants of the file. Laws without
+/// it, and constants that no calibration writes, are refused with their key. Springs go from one element to
+/// another and back, and the published one needs no laws.
 #[test]
 fn the_lumped_element_is_that_beside_the_law() {
     let asking = study("[simulation]\nelement = \"lumped\"\n");
@@ -228,7 +230,7 @@ fn the_lumped_element_is_that_beside_the_law() {
 fn a_table_has_the_tangents_of_the_calibration() {
     let with = study("[simulation]\nlaw = \"table\"\n");
     let record = samples::stiffness();
-    let normal = springs(&own(&SpringsInput::of(&with), &record, None).unwrap()).unwrap().normal;
+    let normal = springs(&springs_of_study(&SpringsInput::of(&with), &record, None).unwrap()).unwrap().normal;
     let points = &record.references.iter().find(|r| r.reference == record.reference).unwrap().points;
     assert!(points.len() > 4);
     for point in points {
@@ -236,7 +238,9 @@ fn a_table_has_the_tangents_of_the_calibration() {
         assert!((k - 1.0).abs() < ROUNDOFF, "{} kN: {k}", point.force_kn);
     }
     assert!(
-        own(&SpringsInput::of(&study("[simulation]\nelement = \"published\"\n")), &record, None).unwrap().law
+        springs_of_study(&SpringsInput::of(&study("[simulation]\nelement = \"published\"\n")), &record, None)
+            .unwrap()
+            .law
             == NormalLawRecord::Power(record.law.constants)
     );
     let said = refusal(&with, LAW);
@@ -338,7 +342,7 @@ fn each_form_of_the_calibration_drives_the_model() {
     let record = samples::stiffness();
     for (key, form) in [("calibrated", Form::Power), ("series", Form::Series), ("steps", Form::Steps)] {
         let with = study(&format!("[simulation]\nelement = \"published\"\nlaw = {key:?}\n"));
-        let found = own(&SpringsInput::of(&with), &record, None).unwrap();
+        let found = springs_of_study(&SpringsInput::of(&with), &record, None).unwrap();
         let expected = NormalLaw::try_from(&record.form(form).unwrap().law).unwrap().tangent(40e3);
         let tangent = springs(&found).unwrap().normal.tangent(40e3);
         assert!((tangent / expected - 1.0).abs() < ROUNDOFF, "{key}: {tangent}");
@@ -410,7 +414,10 @@ fn another_reference_and_another_pair_need_the_studys_word() {
     // The study's own calibration under another name is no other law; an edited one is none.
     record.input_hash = SpringsInput::of(&plain).calibration().key().into();
     let sealed = record.clone().sealed();
-    assert_eq!(read(&plain, &json(&sealed)).unwrap(), own(&SpringsInput::of(&plain), &sealed, None).unwrap());
+    assert_eq!(
+        read(&plain, &json(&sealed)).unwrap(),
+        springs_of_study(&SpringsInput::of(&plain), &sealed, None).unwrap()
+    );
     let mut edited = sealed;
     edited.law.constants.b_kn_per_m *= 1.001;
     let said = refusal(&plain, &serde_json::to_string(&edited).unwrap());

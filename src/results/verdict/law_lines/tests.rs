@@ -26,8 +26,9 @@ fn off_at_the_first_load(law: &str) -> StiffnessRecord {
     stiffness
 }
 
-/// Goal: the loads that the load cases use decide. A law that is off at 1 kN fails over its whole range and where a run comes down to it, and holds from 20 to 90 kN, where
-/// its line still says what it is off elsewhere; between two loads that which is beside counts.
+/// Goal: the loads that the load cases use decide. A law that is off at 1 kN fails over its whole range and
+/// where a run comes down to it. It holds from 20 to 90 kN, where its line still gives its error elsewhere.
+/// Between two loads those beside count.
 #[test]
 fn the_loads_used_decide() {
     for (key, form) in [("calibrated", "power"), ("steps", "steps")] {

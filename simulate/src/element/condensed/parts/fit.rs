@@ -31,12 +31,12 @@ const SETTLED: f64 = 1e-5;
 /// Change of a logarithm and of a hardening for a derivative.
 const SMALL: f64 = 1e-4;
 
-/// What costs as much as displacements that are off by a hundredth: such a hardening, and such a change of the logarithm of the stiffness or of the hardening
-/// from knot to knot. It decides where the laws do not.
-const HARDENING_WORTH: f64 = 1.0;
-const CHANGE_WORTH: f64 = 0.07;
+/// Tikhonov weights: a hardening of this size, and such a change of the logarithm of the stiffness or of the
+/// hardening from knot to knot, are penalised like a displacement error of 1 %. They decide where the laws do not.
+const HARDENING_SCALE: f64 = 1.0;
+const CHANGE_SCALE: f64 = 0.07;
 /// What a change costs.
-const CHANGE_COST: f64 = 1e-2 / CHANGE_WORTH;
+const CHANGE_COST: f64 = 1e-2 / CHANGE_SCALE;
 
 /// Least and largest hardening.
 const HARDENING: [f64; 2] = [-0.8, 4.0];
@@ -192,9 +192,9 @@ impl Fit<'_> {
         total(&contacts, |contact| -contact.force.xy().dot(&place.along))
     }
 
-    /// How far the displacements of a place are off, over their own: the force goes with the power 3/2 of the approach. Small loads
+    /// Relative errors of the displacements of a place: the force goes with the power 3/2 of the approach. Small loads
     /// count less, as their displacements are small.
-    fn off(&self, place: &Pressed, strips: &StripStiffness) -> Vec<f64> {
+    fn residual(&self, place: &Pressed, strips: &StripStiffness) -> Vec<f64> {
         let mut profiles = place.profiles(&self.hertz);
         let deepest = place.loads.iter().map(|load| load.approach).fold(0.0, f64::max);
         let off = |load: &PlaceLoad| {
@@ -204,10 +204,10 @@ impl Fit<'_> {
         place.loads.iter().map(off).collect()
     }
 
-    /// All that least squares make small: what the displacements are off, and what it costs to make them so.
-    fn all_off(&self, pressed: &[Pressed]) -> Vec<Vec<f64>> {
+    /// The residuals of the least squares: errors of the displacements, and the penalties.
+    fn residuals(&self, pressed: &[Pressed]) -> Vec<Vec<f64>> {
         let strips = self.table();
-        let mut all: Vec<Vec<f64>> = pressed.iter().map(|place| self.off(place, &strips)).collect();
+        let mut all: Vec<Vec<f64>> = pressed.iter().map(|place| self.residual(place, &strips)).collect();
         let (changes, hardenings) = self.costs();
         all.extend([changes, hardenings]);
         all
@@ -218,7 +218,7 @@ impl Fit<'_> {
         let change = |pair: &[Knot]| {
             [pair[1].ratio - pair[0].ratio, pair[1].hardening - pair[0].hardening].map(|by| CHANGE_COST * by)
         };
-        let own = |knot: &Knot| 1e-2 / HARDENING_WORTH * knot.hardening;
+        let own = |knot: &Knot| 1e-2 / HARDENING_SCALE * knot.hardening;
         (self.knots.windows(2).flat_map(change).collect(), self.knots.iter().map(own).collect())
     }
 
@@ -233,7 +233,7 @@ impl Fit<'_> {
         let vector = |all: &[Vec<f64>]| {
             DVector::from_iterator(all.iter().map(Vec::len).sum(), all.iter().flatten().copied())
         };
-        let mut all = self.all_off(pressed);
+        let mut all = self.residuals(pressed);
         for _ in 0..ROUNDS {
             let off = vector(&all);
             let mut slopes = DMatrix::zeros(off.len(), unknowns);
@@ -244,7 +244,7 @@ impl Fit<'_> {
                 let near = |place: &Pressed| (place.pair.touch.rail_s - rail_s).abs() < REACH;
                 let mut moved = all.clone();
                 let places = pressed.iter().zip(&mut moved).filter(|(place, _)| near(place));
-                places.for_each(|(place, moved)| *moved = self.off(place, &strips));
+                places.for_each(|(place, moved)| *moved = self.residual(place, &strips));
                 let [costs, own] = [moved.len() - 2, moved.len() - 1];
                 let exact = self.costs();
                 (moved[costs], moved[own]) = (exact.0, exact.1);
@@ -261,7 +261,7 @@ impl Fit<'_> {
                 }
                 let [least, most] = HARDENING;
                 self.knots.iter_mut().for_each(|knot| knot.hardening = knot.hardening.clamp(least, most));
-                all = self.all_off(pressed);
+                all = self.residuals(pressed);
                 let down = 1.0 - vector(&all).norm() / off.norm();
                 if down > 0.0 {
                     if down < SETTLED {
@@ -434,10 +434,12 @@ mod tests {
         Material::STEEL.contact_modulus(&Material::STEEL)
     }
 
-    /// Source: the strips of Hertz's contact, or of a Winkler foundation that is as stiff, times a factor. Goal: approaches that these strips make give them back: the normal stiffness at
-    /// every place of the rail between those of the laws, no hardening, and the tangential stiffness that the flexibility across the normal leaves; approaches of
-    /// strips with a hardening are met as well, but by a foundation, which has none. Accuracy: SOLVER, least squares without a rest; with a hardening, which costs something,
-    /// forces within a hundredth.
+    /// Source: the strips of Hertz's contact, or of a Winkler foundation that is as stiff, times a factor.
+    /// Goal: approaches that these strips make give the strips back. These are the normal stiffness at every
+    /// place of the rail between those of the laws, no hardening, and the tangential stiffness that the
+    /// flexibility across the normal leaves. Approaches of strips with a hardening are met as well, except by
+    /// a foundation, which has none. Accuracy: SOLVER, least squares without a rest. With a hardening, which
+    /// has a cost, forces are met within a hundredth.
     #[test]
     fn strips_are_found_from_their_approaches() {
         const SOLVER: f64 = 1e-6;

@@ -22,7 +22,7 @@ const EVEN: usize = 4;
 /// Of an approach at least so much presses strips.
 const LEAST_PRESSED: f64 = 0.15;
 
-/// The weight is no larger.
+/// Upper bound of the relief weight.
 const HEAVIEST: f64 = 3.0;
 
 /// Parts of half a contact in which its load is summed.
@@ -32,8 +32,9 @@ const PARTS: usize = 10;
 /// 16 (1949), 2(1-ν)/(2-ν).
 const MINDLIN: f64 = 1.4 / 1.7;
 
-/// The strips of Hertz's contact where both profiles have the same slope, κ the relative curvature across the track, under [`Influence::TYPICAL`]: at the edge,
-/// Hertz's semi-axis b away, the profiles overlap by the approach less `κb²/2`, which is the relief there; the force of the strips within is the load.
+/// The strips of Hertz's contact where both profiles have the same slope, under [`Influence::TYPICAL`]. κ is
+/// the relative curvature across the track. At the edge, Hertz's semi-axis b away, the profiles overlap by
+/// the approach less `κb²/2`, which is the relief there. The force of the strips within is the load.
 pub(super) fn hertz_table(pair: &Pair, modulus: f64) -> StripStiffness {
     let touches = touches(pair, modulus);
     let influence = Influence { flexibility: 1.0 / (std::f64::consts::PI * modulus) };

@@ -345,8 +345,10 @@ mod tests {
         }
     }
 
-    /// Source: springs in series. Goal: a rim and a head of the lumped set, in series at the profile's origin, have the flexibility (m/N, rad/N, rad/(N·m)) of those that they are made from, in y and in φ and between both, with one
-    /// bushing for the middle of the rail and one near its end; vertically, of a rim that does not rise where it turns, too. Accuracy: ROUNDOFF.
+    /// Source: springs in series. Goal: a rim and a head of the lumped set, in series at the profile's
+    /// origin, have the flexibility (m/N, rad/N, rad/(N·m)) of those that they are made from, in y and in φ
+    /// and between both. Bushings are those of the middle of the rail and of a place near its end. A rim that
+    /// does not rise where it turns has the vertical flexibility, too. Accuracy: ROUNDOFF.
     #[test]
     fn what_gives_way_at_rest_is_kept() {
         let mut wheel = wheel();

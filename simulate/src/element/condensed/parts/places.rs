@@ -105,8 +105,10 @@ mod tests {
     /// ROUNDOFF: some products of numbers of a few digits.
     const ROUNDOFF: f64 = 1e-12;
 
-    /// Source: integration by hand. Goal: what a hub lacks along the contact normal, in proportion to the load between 20 and 40 kN and constant
-    /// beyond, is added to the approaches (m), and what it lacks across it to the flexibility across (m/N); a load that the element does not carry says nothing. Accuracy: ROUNDOFF.
+    /// Source: integration by hand. Goal: a hub that is too stiff along the contact normal adds the
+    /// difference to the approaches (m), in proportion to the load between 20 and 40 kN and constant beyond.
+    /// Across the normal the difference is added to the flexibility across (m/N). A load that the element
+    /// does not carry adds nothing. Accuracy: ROUNDOFF.
     #[test]
     fn what_is_missing_is_taken_up_along_and_across_the_normal() {
         let (along, across) = (Vector2::new(0.6, -0.8), Vector2::new(0.8, 0.6));

@@ -7,10 +7,12 @@ use railspring_element::wheel::{ElasticWheel, RimMode, positive};
 use railspring_profiles::error::{InputError, Result};
 use std::f64::consts::TAU;
 
-/// The wheel moves in its modes up to this frequency, Hz, and in further ones where those that would follow forces at once make more than a share of the flexibility of its rim and a contact wrong at the highest
-/// frequency at which a wheel swings on its contact spring, Hz.
+/// The wheel has all of its modes up to this frequency, Hz. A mode above it counts as statics, or as a mode
+/// where its inertia matters at [`SWINGS`].
 const HIGHEST: f64 = 600.0;
+/// Highest frequency at which a wheel swings on its contact spring, Hz.
 const SWINGS: f64 = 300.0;
+/// Largest error at [`SWINGS`] of a mode that counts as statics, over the flexibility of rim and contact.
 const MOST_WRONG: f64 = 0.02;
 
 /// A mode that has less than this share of the flexibility of the rim in each direction does not move it: half of the modes of a wheel of revolution stand still where it touches.
@@ -116,8 +118,9 @@ fn rigid_rows(surface: &RunningSurface, modes: &Modes, about: Point2<f64>) -> [D
 mod tests {
     use super::*;
 
-    /// Source: a mode below its resonance. Goal: modes up to 600 Hz are needed, and one of 900 Hz where it has so much of the rim's flexibility that it would be more than 2 % of that and a contact wrong at 300 Hz, 16 %,
-    /// in any direction; none beyond the last that is.
+    /// Source: a mode below its resonance. Goal: modes up to 600 Hz are needed, and none beyond the last one
+    /// that is. A mode of 900 Hz would be wrong by 16 % at 300 Hz. It is needed where it has so much of the
+    /// rim's flexibility that this is more than 2 % of the flexibility of rim and contact, in any direction.
     #[test]
     fn modes_are_needed_as_far_as_the_rim_is_right() {
         let flexibility = Matrix3::from_diagonal(&Vector3::new(1e-8, 1e-10, 2e-7));

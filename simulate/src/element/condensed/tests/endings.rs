@@ -32,9 +32,11 @@ fn a_wheel_pulled_into_the_track_falls_off() {
     assert_eq!(run.rail.len(), rows.len());
 }
 
-/// Source: free fall, as for the published element. Goal: a wheel that is pulled up flies to the end of the run, suddenly or slowly, with a suspended mass or without, from a
-/// rail that it just touches or from one that carries it; pushed aside as well, it goes over the rail to the field side, 0.11 m away. From when it has left nothing touches, and the
-/// mean of its acceleration is that of the forces (m/s²). Accuracy: MODEL: the hub swings on its rim by a tenth of a millimetre, of 30 mm at least.
+/// Source: free fall, as for the published element. Goal: a wheel that is pulled up flies to the end of the
+/// run. It is pulled suddenly or slowly, with a suspended mass or without, from a rail that it just touches
+/// or from one that carries it. Pushed aside as well, it goes over the rail to the field side, 0.11 m away.
+/// Once it has left nothing touches. The mean of its acceleration is that of the forces (m/s²). Accuracy:
+/// MODEL: the hub swings on its rim by a tenth of a millimetre, of 30 mm at least.
 #[test]
 fn a_wheel_that_is_pulled_up_flies() {
     const MODEL: f64 = 2e-2;
@@ -130,9 +132,11 @@ fn a_wheel_slides_off_the_profile() {
     }
 }
 
-/// Source: two parabolas that touch, the wheel's hollow of the larger radius: moved aside by d, the contact goes to d/(1 - Rw/Rr), to the other side.
-/// Goal: a wheel hollow by 1/375 mm on a rail crowned by 1/300 mm slides 10 mm to one side while its contact goes to the other end of the rail's profile:
-/// the run keeps what was before that and says where the profile is too short. Accuracy: a step of 2 mm (0.1 ms), and the breadth of the patch.
+/// Source: two parabolas that touch, the wheel's hollow of the larger radius: moved aside by d, the contact
+/// goes to d/(1 - Rw/Rr), to the other side. Goal: a wheel hollow by 1/375 mm on a rail crowned by 1/300 mm
+/// slides 10 mm to one side while its contact goes to the other end of the rail's profile. The run keeps the
+/// steps before that and says where the profile is too short. Accuracy: a step of 2 mm (0.1 ms), and the
+/// breadth of the patch.
 #[test]
 fn a_profile_that_is_too_short_ends_the_history() {
     for side in [1.0, -1.0] {

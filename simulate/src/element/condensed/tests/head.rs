@@ -39,10 +39,12 @@ fn beam(length: f64) -> (Pair, RailBeam) {
     (pair, beam)
 }
 
-/// Source: its parts, a rail with held ends and the head at a distance from them. Goal: on rails of 0.3, 0.555 and 30 m the head on its beam is as flexible (m/N and rad/(N·m)) as a held rail and the head on it
-/// in the middle and 40 mm from the end. It stores no negative energy, ROUNDOFF of the largest apart; a place and its mirror image are
-/// the same, nothing moves at the ends, and its slope does not jump: from one tenth of a millimetre to the next it changes by less than 1e-4 of the largest value. Accuracy: INTERPOLATION over places 2.5 mm apart,
-/// a hundredth of the largest.
+/// Source: its parts, a rail with held ends and the head at a distance from them. Goal: the head on its beam
+/// is as flexible (m/N and rad/(N·m)) as a held rail with the head on it. Rails are 0.3, 0.555 and 30 m long,
+/// places in the middle and 40 mm from the end. It stores no negative energy, ROUNDOFF of the largest apart.
+/// A place and its mirror image are the same, and nothing moves at the ends. Its slope does not jump: from
+/// one tenth of a millimetre to the next it changes by less than 1e-4 of the largest value. Accuracy:
+/// INTERPOLATION over places 2.5 mm apart, a hundredth of the largest.
 #[test]
 fn the_head_is_that_of_a_held_rail_near_the_ends() {
     const INTERPOLATION: f64 = 1e-2;

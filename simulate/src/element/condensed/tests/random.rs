@@ -79,9 +79,11 @@ fn case(random: &mut Random, models: &[CondensedModel]) -> (CondensedModel, Scen
     (model, scenario)
 }
 
-/// Goal: 10,000 random runs (loads, friction up to 0.8, initial motions, stiffnesses, profiles) each end in a result: complete, or off the rail or the profile; no
-/// error, nothing that is not finite, and no energy (J) that comes of nothing: beyond a hundredth of the largest that is stored with the steps of a study, and beyond the limit of the verdict, 5 %, with
-/// sixteenths of 0.5 ms. Accuracy: DISCRETISATION, an impact has `(ωh)²/12` of its energy of it, which the tolerance of the steps keeps below 0.03/12.
+/// Goal: 10,000 random runs (loads, friction up to 0.8, initial motions, stiffnesses, profiles) each end in a
+/// result: complete, or off the rail or the profile. There is no error and no value that is not finite. No
+/// energy (J) comes of nothing: beyond a hundredth of the largest that is stored with the steps of a study,
+/// and beyond the limit of the verdict, 5 %, with sixteenths of 0.5 ms. Accuracy: DISCRETISATION. An impact
+/// has an energy error of `(ωh)²/12` of its energy, which the tolerance of the steps keeps below 0.03/12.
 #[test]
 #[ignore = "half a minute of the processor's time: cargo long random_runs"]
 fn random_runs_end_in_a_result() {

@@ -107,9 +107,12 @@ fn periods_are_right_to_the_fourth_order() {
     assert!(beta(1e-5) == 1.0 / 12.0 && beta(1e-3) > 0.2 && beta(1e-3) < 0.25, "{}", beta(1e-3));
 }
 
-/// Source: a free vibration keeps its energy, whatever the length of the steps. Goal: a wheel whose rim is let go swings for 2000 steps of 1/5 or of 1/10 of a radian, the shorter ones where it moves fast, which
-/// drives or damps a vibration whose velocities are taken over as they are; where the steps are long again it has the energy (J) that it had. Accuracy: what a change of length leaves, the fourth power of (ωh)
-/// over 72, a few hundred times, at random phases of either sign; without the difference of the velocities the energy changes by 5 %.
+/// Source: a free vibration keeps its energy, whatever the length of the steps. Goal: a wheel whose rim is
+/// let go swings for 2000 steps of 1/5 or of 1/10 of a radian, the shorter ones where it moves fast. Such
+/// steps drive or damp a vibration whose velocities are taken over unchanged. Where the steps are long again
+/// it has its first energy (J). Accuracy: a change of length leaves the fourth power of (ωh) over 72, a few
+/// hundred times, at random phases of either sign. Without the difference of the velocities the energy
+/// changes by 5 %.
 #[test]
 fn steps_of_other_lengths_drive_no_vibration() {
     const LEFT: f64 = 1e-2;

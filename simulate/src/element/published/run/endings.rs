@@ -119,8 +119,9 @@ fn a_wheel_beyond_nadal_climbs_out() {
     assert_eq!(held.history.ending, Ending::Completed);
 }
 
-/// Goal: 500 kN towards the field side for 200 steps comes to an end within the bound on the evaluations, for the published law and for
-/// one that starts from zero stiffness: with a departure to the field side, or with an error that says so.
+/// Goal: 500 kN towards the field side for 200 steps end within the bound on the evaluations, with a
+/// departure to the field side or with an error that names the bound. The law is the published one or one
+/// that starts from zero stiffness.
 #[test]
 fn work_is_bounded() {
     for a in [StiffnessLaw::published().a, 0.0] {
@@ -158,10 +159,12 @@ fn a_wheel_slides_off_the_profile() {
     }
 }
 
-/// Source: two parabolas that touch, the wheel's hollow of the larger radius: moved aside by d, the contact goes to d/(1 - Rw/Rr), to the other
-/// side. Goal: a wheel that is hollow by 1/375 mm on a rail crowned by 1/300 mm slides 10 mm to the field side while its contact goes four
-/// times as far to the gauge side, to the end of the rail's profile at -40 mm: the run keeps the 4 steps before that and says where the
-/// profile is too short, instead of an error or a wheel off the rail. Mirrored it ends at the other end. Accuracy: a step of 2 mm (0.1 ms).
+/// Source: two parabolas that touch, the wheel's hollow of the larger radius: moved aside by d, the contact
+/// goes to d/(1 - Rw/Rr), to the other side. Goal: a wheel that is hollow by 1/375 mm on a rail crowned by
+/// 1/300 mm slides 10 mm to the field side. Its contact goes four times as far to the gauge side, to the end
+/// of the rail's profile at -40 mm. The run keeps the 4 steps before that and says where the profile is too
+/// short, instead of an error or a wheel off the rail. Mirrored it ends at the other end. Accuracy: a step of
+/// 2 mm (0.1 ms).
 #[test]
 fn a_profile_that_is_too_short_ends_the_history() {
     const CROWN: f64 = 0.3;

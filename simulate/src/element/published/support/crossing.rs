@@ -53,11 +53,14 @@ fn deflection(dynamics: &RailDynamics, x: f64, state: &RailState) -> f64 {
     -(0..2).map(|node| dot(&z[node], &state.displacements[element + node])).sum::<f64>()
 }
 
-/// Source: Frýba's series, chapter 1, with the shear branch for the Timoshenko beam. Goal: deflection (m) of the middle of a beam on two supports under a constant
-/// force of 100 kN that crosses it, at ten times: a rail of 4 m with shear and rotary inertia at 60 m/s, a bridge of 25 m without either at 25 and
-/// 83 m/s. 20 elements and 4000 steps. The force comes down and goes up again, so that what the beam has in the end (J) is what drives the force. Accuracy: DISCRETISATION, 0.1 % of the largest deflection: the scheme's
-/// period error is (ωΔt)²/12, 1e-4 for the first modes, and inside an element the own deflection under the force is missing, 1/20³; ROUNDOFF of 4000 steps, over the force
-/// times the largest deflection.
+/// Source: Frýba's series, chapter 1, with the shear branch for the Timoshenko beam. Goal: deflection (m) of
+/// the middle of a beam on two supports under a constant force of 100 kN that crosses it, at ten times. Beams
+/// are a rail of 4 m with shear and rotary inertia at 60 m/s, and a bridge of 25 m without either at 25 and
+/// 83 m/s. They have 20 elements and 4000 steps. The force comes down and goes up again, so that what the
+/// beam has in the end (J) is what drives the force. Accuracy: DISCRETISATION, 0.1 % of the largest
+/// deflection. The scheme's period error is (ωΔt)²/12, 1e-4 for the first modes. Inside an element its own
+/// deflection under the force is missing, 1/20³. ROUNDOFF of 4000 steps, over the force times the largest
+/// deflection.
 #[test]
 fn a_moving_force_matches_the_series() {
     const DISCRETISATION: f64 = 1e-3;
@@ -195,11 +198,13 @@ fn bounds(values: &[f64]) -> [f64; 2] {
     values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(*v), high.max(*v)])
 }
 
-/// Source: program VBI-2D (cases A to A4): a mass of 5750 kg on a spring of 1.595e6 N/m crosses a bridge of 25 m at 25 m/s, its weight on the bridge; A2 with a
-/// ramp of 10 mm, A3 with a damper of 4e5 N·s/m and the ramp, A4 gaining 10 m/s² as well. Goal: deflection (m) of the middle at a quarter, half and three
-/// quarters of a second, and the largest with the place (m) or the time (s) at which it is reached. 40 elements, 20,000 steps.
-/// Accuracy: DISCRETISATION, that of the program: 0.1 % of the largest deflection. MODEL: 0.2 % where a damper drives over a kink, since the source prints neither its
-/// step nor whether its damper feels the slope of the bridge, which changes 0.05 %. The place of a maximum, which is flat, is found to 1 % of the length.
+/// Source: program VBI-2D (cases A to A4): a mass of 5750 kg on a spring of 1.595e6 N/m crosses a bridge of
+/// 25 m at 25 m/s, its weight on the bridge. A2 has a ramp of 10 mm. A3 has a damper of 4e5 N·s/m and the
+/// ramp. A4 also gains 10 m/s². Goal: deflection (m) of the middle at a quarter, half and three quarters of a
+/// second, and the largest with the place (m) or the time (s) at which it is reached. 40 elements, 20,000
+/// steps. Accuracy: DISCRETISATION, that of the program: 0.1 % of the largest deflection. MODEL: 0.2 % where
+/// a damper drives over a kink. The source prints neither its step nor whether its damper feels the slope of
+/// the bridge, which changes 0.05 %. The place of a maximum, which is flat, is found to 1 % of the length.
 #[test]
 fn a_sprung_mass_crosses_as_in_vbi_2d() {
     const DISCRETISATION: f64 = 1e-3;

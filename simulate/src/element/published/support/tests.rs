@@ -159,9 +159,10 @@ impl Dense {
     }
 }
 
-/// Source: the dense matrices of the elements with six unknowns a node, solved by Cholesky in every step. Goal: displacements of the section under the wheel (m,
-/// rad) and the four energies (J) of the rail while the wheel moves along, forces and a torsion act: for chains of one element to twenty, all
-/// ways in which ends are held, and with damping and dissipation. Accuracy: ROUNDOFF of the dense solution, whose matrix has a
+/// Source: the dense matrices of the elements with six unknowns a node, solved by Cholesky in every step.
+/// Goal: displacements of the section under the wheel (m, rad) and the four energies (J) of the rail while
+/// the wheel moves along and forces and a torsion act. Chains have one to twenty elements, ends that are held
+/// in all ways, damping and dissipation. Accuracy: ROUNDOFF of the dense solution, whose matrix has a
 /// condition of up to 1e6; rotations are of the order of 0.01 rad.
 #[test]
 fn the_rail_moves_as_its_dense_matrices_say() {

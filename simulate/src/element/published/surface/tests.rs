@@ -85,8 +85,9 @@ fn contact_forces_balance() {
     assert!(moment.abs() < ROUNDOFF * p.norm());
 }
 
-/// Goal: a point of which the bound says that the whole wheel is above it has its nearest foot on S1002 ahead of it, as the search on the whole spline finds; the bound says so of
-/// what is 1.5 mm off the tread and the face of the flange. Exact: a sign.
+/// Goal: a point that the bound places below the whole wheel has its nearest foot on S1002 ahead of it, as
+/// the search on the whole spline finds. The bound places points 1.5 mm off the tread and the face of the
+/// flange below the wheel. Exact: a sign.
 #[test]
 fn what_is_below_the_wheel_is_not_in_it() {
     let wheel = wheel_section("S1002", 0.858).unwrap().running;

@@ -1,4 +1,4 @@
-//! What runs are worth themselves: spreads, steps and statistics that are known in closed form.
+//! Numerical uncertainty of runs: spreads, steps and statistics that are known in closed form.
 
 use std::f64::consts::{PI, TAU};
 
@@ -19,8 +19,9 @@ fn compared(simple: &History, solid: [&History; 2], limits: &Limits) -> Comparis
     super::super::compare(&ModelRun::alone(simple), &with(solid[0], solid[1], &spread), limits).unwrap()
 }
 
-/// Goal: a disturbed P that leaves that of the run (100 kN) linearly, by 5 % of it in 0.2 s, is determined until it is 2.5 % off, at 0.1 s; up to then RMS
-/// and largest change are those of the line, as from then on, and averages over 24 ms are off by the line's mean over them. Of Q (40 kN) 1 % is off throughout, so that Q/P
+/// Goal: a disturbed P leaves that of the run (100 kN) linearly, by 5 % of it in 0.2 s. It is determined
+/// until it is 2.5 % off, at 0.1 s. Up to then RMS and largest change are those of the line, as from then on.
+/// Averages over 24 ms are off by the line's mean over them. Of Q (40 kN) 1 % is off throughout, so that Q/P
 /// (0.4) is off by the ratio of the two. Accuracy: ROUNDOFF, DISCRETISATION (a row of 0.5 ms).
 #[test]
 fn a_growing_spread_is_determined_until_its_threshold() {
@@ -96,10 +97,10 @@ fn the_first_load_that_acts_is_disturbed() {
     assert_eq!(other.lateral_force.amplitude, 5e3 * 1.001);
 }
 
-/// Goal: a difference of P over its limit of 1 % holds up to what the solid is worth: 2 % with the larger input and 1.5 % with other steps, 2.5 % together; what the
-/// simple model is worth stands beside it and changes nothing. Accuracy: ROUNDOFF.
+/// Goal: a difference of P over its limit of 1 % holds up to the uncertainty of the solid: 2 % with the larger input and 1.5 % with other steps, 2.5 % together; that of the
+/// simple model stands beside it and changes nothing. Accuracy: ROUNDOFF.
 #[test]
-fn a_line_holds_by_what_the_solid_is_worth() {
+fn a_line_holds_by_the_uncertainty_of_the_solid() {
     let flat = |p: f64| history(401, move |_| (p, 20e3), SLIP);
     let (solid, disturbed, longer) = (flat(100e3), flat(102e3), flat(98.5e3));
     let spread = Spread::between(&solid, &disturbed, "lateral force").unwrap();
@@ -109,8 +110,8 @@ fn a_line_holds_by_what_the_solid_is_worth() {
     let rough = flat(90e3);
     for (p, held_by) in [
         (100.9e3, Some(HeldBy::Limit)),
-        (102.4e3, Some(HeldBy::SolidWorth)),
-        (97.6e3, Some(HeldBy::SolidWorth)),
+        (102.4e3, Some(HeldBy::SolidUncertainty)),
+        (97.6e3, Some(HeldBy::SolidUncertainty)),
         (102.6e3, None),
     ] {
         let simple = flat(p);
@@ -119,8 +120,8 @@ fn a_line_holds_by_what_the_solid_is_worth() {
         let simple = with(&simple, &rough, &of_simple);
         let found = super::super::compare(&simple, &solid, &limits).unwrap();
         let line = line(&found, "P, RMS");
-        assert!((line.solid_worth.unwrap() - 0.025).abs() < ROUNDOFF, "{line:?}");
-        assert!((line.simple_worth.unwrap() - (p - 90e3).abs() / 100e3).abs() < ROUNDOFF, "{line:?}");
+        assert!((line.solid_uncertainty.unwrap() - 0.025).abs() < ROUNDOFF, "{line:?}");
+        assert!((line.simple_uncertainty.unwrap() - (p - 90e3).abs() / 100e3).abs() < ROUNDOFF, "{line:?}");
         assert_eq!((line.held_by, line.holds), (held_by, held_by.is_some()), "{line:?}");
         assert!((line.allowed() - 0.025).abs() < ROUNDOFF);
         assert_eq!(line.over_s, Some([0.0, 0.2]));
@@ -134,9 +135,11 @@ fn swinging(phase: f64, mean: f64) -> History {
     history(500, move |t| (p(t), 0.25 * p(t)), SLIP)
 }
 
-/// Source: mean, RMS and quantiles of a sine with amplitude a: 0, a/√2 and -a·cos(πq). Goal: from where the phase of the disturbed run jumps on, means and so on are compared;
-/// a simple model with another phase holds there, and its differences are those that the rows of 0.5 ms leave; one with another mean (by 24 kN, 20 % of the peak) fails in the
-/// mean and the quantiles of P, each by 0.2. Before that they are compared step by step. Accuracy: DISCRETISATION, of a quantile over 40 rows of a period.
+/// Source: mean, RMS and quantiles of a sine with amplitude a: 0, a/√2 and -a·cos(πq). Goal: from where the
+/// phase of the disturbed run jumps on, means and so on are compared. A simple model with another phase holds
+/// there, and its differences are those that the rows of 0.5 ms leave. One with another mean (by 24 kN, 20 %
+/// of the peak) fails in the mean and the quantiles of P, each by 0.2. Before that they are compared step by
+/// step. Accuracy: DISCRETISATION, of a quantile over 40 rows of a period.
 #[test]
 fn statistics_take_over_where_the_motion_is_not_determined() {
     const DISCRETISATION: f64 = 0.01;
@@ -176,8 +179,11 @@ fn a_short_rest_is_compared_step_by_step() {
         let disturbed = history(400, jump(at), SLIP);
         let found = compared(&solid, [&solid, &disturbed], &Limits::default());
         assert_eq!(found.compared.pointwise_until_s, pointwise);
-        let worth = line(&found, "P, largest").solid_worth.unwrap();
-        assert!((worth - if pointwise.is_some() { 0.0 } else { 0.2 }).abs() < ROUNDOFF, "{worth}");
+        let uncertainty = line(&found, "P, largest").solid_uncertainty.unwrap();
+        assert!(
+            (uncertainty - if pointwise.is_some() { 0.0 } else { 0.2 }).abs() < ROUNDOFF,
+            "{uncertainty}"
+        );
     }
 }
 
@@ -206,7 +212,7 @@ fn separations_are_compared_while_they_are_determined() {
     let rate = line(&found, "Undetermined motion: separations a second");
     assert_eq!((rate.value, rate.holds), (Some(1.0), false), "{rate:?}");
     // both runs of the solid have the same three: known up to one of them
-    assert!((rate.solid_worth.unwrap() - 1.0 / 3.0).abs() < ROUNDOFF, "{rate:?}");
+    assert!((rate.solid_uncertainty.unwrap() - 1.0 / 3.0).abs() < ROUNDOFF, "{rate:?}");
     assert_eq!(found.compared.separations.solid[4], Separation { begin_s: 0.25, end_s: 0.26 });
     // one as long as the shortest counts or not by where the steps of the history are: that and the ends of the time add as squares
     let times: &[(f64, f64)] = &[(0.05, 0.06), (0.095, 0.12), (0.15, 0.16), (0.2, 0.202), (0.25, 0.26)];
@@ -216,12 +222,15 @@ fn separations_are_compared_while_they_are_determined() {
         "Undetermined motion: separations a second",
     )
     .clone();
-    assert!((rate.solid_worth.unwrap() - 0.98f64.hypot(1.0) / 3.0).abs() < ROUNDOFF, "{rate:?}");
+    assert!((rate.solid_uncertainty.unwrap() - 0.98f64.hypot(1.0) / 3.0).abs() < ROUNDOFF, "{rate:?}");
 }
 
-/// Goal: with errors of averaged P and Q of 2 and 0.7 kN, twice the RMS changes of the disturbed run, Q/P of 0.3 is off by (0.7 + 0.3·2)/(P - 2) at most, which is 0.5 at
-/// P = 4.6 kN; the steps at which the solid is below are left out, and a line says how many of those with a load are. P of 100 kN falls to 4.5 kN within the step after 0.1 s, so that its
-/// average is above 10 kN, a tenth of the peak, up to 0.1225 s: all of these 246 carry the ratio. What the simple model is worth changes nothing. Accuracy: ROUNDOFF.
+/// Goal: errors of averaged P and Q of 2 and 0.7 kN are twice the RMS changes of the disturbed run. With them
+/// Q/P of 0.3 is off by (0.7 + 0.3·2)/(P - 2) at most, which is 0.5 at P = 4.6 kN. The steps at which the
+/// solid is below are left out. A line gives the number of those that count among those with a load. P of 100
+/// kN falls to 4.5 kN within the step after 0.1 s, so that its average is above 10 kN, a tenth of the peak,
+/// up to 0.1225 s. All of these 246 carry the ratio. The simple model's own error changes nothing. Accuracy:
+/// ROUNDOFF.
 #[test]
 fn averaged_ratios_are_compared_where_p_of_the_solid_carries_them() {
     let carrying = Carrying { errors: [2e3, 0.7e3], limit: 0.5 };
@@ -260,10 +269,10 @@ fn averaged_ratios_are_compared_where_p_of_the_solid_carries_them() {
     assert!(left_out.value == Some(1.0) && !left_out.holds, "{left_out:?}");
 }
 
-/// Goal: what another discretisation of the solid changes is a part of its worth: 3 % of P by a grid and 4 % by a mesh are 5 % together; of the simple model it changes nothing of
+/// Goal: what another discretisation of the solid changes is a part of its uncertainty: 3 % of P by a grid and 4 % by a mesh are 5 % together; of the simple model it changes nothing of
 /// whether a line holds. Accuracy: ROUNDOFF.
 #[test]
-fn discretisations_are_a_part_of_the_worth() {
+fn discretisations_are_a_part_of_the_uncertainty() {
     let flat = |p: f64| history(401, move |_| (p, 20e3), SLIP);
     let solid = flat(100e3);
     let change = |p: f64, with: &str| ModelChange::between([&solid, &flat(p)], with, None).unwrap();
@@ -276,11 +285,11 @@ fn discretisations_are_a_part_of_the_worth() {
     };
     let near = flat(104.9e3);
     let found = both(&near, &[], &changes);
-    assert!((found.solid_worth.unwrap() - 0.05).abs() < ROUNDOFF, "{found:?}");
-    assert_eq!((found.held_by, found.holds), (Some(HeldBy::SolidWorth), true));
+    assert!((found.solid_uncertainty.unwrap() - 0.05).abs() < ROUNDOFF, "{found:?}");
+    assert_eq!((found.held_by, found.holds), (Some(HeldBy::SolidUncertainty), true));
     let found = both(&near, &changes, &[]);
     // of its own P, over the solid's
-    assert!((found.simple_worth.unwrap() - 0.05 * 1.049).abs() < ROUNDOFF && !found.holds, "{found:?}");
+    assert!((found.simple_uncertainty.unwrap() - 0.05 * 1.049).abs() < ROUNDOFF && !found.holds, "{found:?}");
     let text = changes[0].to_string();
     assert!(text.starts_with("with a finer grid P changes by 3.00 % of its largest (RMS)"), "{text}");
 }
@@ -307,6 +316,6 @@ fn averaged_ratios_have_lines_over_the_whole_run() {
     assert_eq!(line(&found, "Averaged Q/P, largest").value, Some(0.0));
     let later = line(&found, "Undetermined motion: averaged Q/P, largest");
     assert!((later.value.unwrap() - 0.025).abs() < DISCRETISATION, "{later:?}");
-    assert!((later.solid_worth.unwrap() - 0.03).abs() < DISCRETISATION, "{later:?}");
+    assert!((later.solid_uncertainty.unwrap() - 0.03).abs() < DISCRETISATION, "{later:?}");
     assert_eq!(later.over_s, Some([0.05, 0.2495]));
 }

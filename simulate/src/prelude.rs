@@ -1,0 +1,7 @@
+//! What a program needs to run load cases: `use railspring_simulate::prelude::*`.
+
+pub use crate::element::condensed::{CondensedModel, ElementFit};
+pub use crate::element::published::{InitialMotion, MovingModel, WheelSprings};
+pub use crate::solid::{ModeCount, TransientModel};
+pub use crate::time::scenario::{HarmonicForce, Kelvin, Scenario};
+pub use railspring_calibrate::prelude::*;
