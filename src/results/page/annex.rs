@@ -136,7 +136,7 @@ fn of_solution(data: &ReportData<'_>, crosscheck: &Value) -> Vec<Row> {
     for (n, judged) in data.verdict.scenarios.iter().enumerate() {
         let at = format!("scenario-{}", n + 1);
         rows.extend(
-            uncertainty(judged)
+            numerical_uncertainty(judged)
                 .map(|value| row("Steps, meshes and inputs of a load case", value, at.clone())),
         );
         rows.extend(models(judged).map(|value| row("Simple beside solid model", value, at)));
@@ -153,7 +153,7 @@ fn of_solution(data: &ReportData<'_>, crosscheck: &Value) -> Vec<Row> {
 }
 
 /// Numerical uncertainty of the models of a load case, RMS of P and Q over the solid's peak.
-fn uncertainty(judged: &ScenarioVerdict) -> Option<String> {
+fn numerical_uncertainty(judged: &ScenarioVerdict) -> Option<String> {
     let of = |quantity: &str| judged.lines.iter().find(|line| line.quantity == quantity);
     let both = [of("vertical_rms")?, of("lateral_rms")?];
     let pair = |take: fn(&Line) -> Option<f64>| {
