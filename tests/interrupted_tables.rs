@@ -133,7 +133,9 @@ fn files(out: &Path) -> Files {
 
 fn killed(Clean { place, places, files: [wanted, earlier], duration, .. }: &Clean, kills: usize) {
     let root = tempfile::tempdir().unwrap();
-    let [out, store, copied, after] = ["out", "store", "copied", "after"].map(|name| root.path().join(name));
+    let [store, copied] = ["store", "copied"].map(|name| root.path().join(name));
+    // beside the folders of those that were left alone: paths in the files are relative to theirs
+    let [out, after] = ["out", "after"].map(|name| place.path(&format!("{name}-{kills}")));
     let mut random = Random::new(kills as u64);
     let (mut in_time, mut mixed, mut found) = (0, 0, BTreeMap::<usize, usize>::new());
     for kill in 0..kills {
