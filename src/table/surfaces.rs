@@ -37,7 +37,7 @@ pub struct MeasuredRecord {
     pub rail: Option<RailRecord>,
     /// Equivalent conicity (EN 15302) at the amplitudes 1 to 5 mm, the axle level; none where the wheelset does not swing so far.
     pub conicity: Vec<Option<f64>>,
-    /// Where the wheel rolls on the rail as it shifts towards it ([`running_shifts`]): its radius less that of the tape circle, mm; empty where it misses the rail in the
+    /// Where the wheel rolls on the rail as it shifts towards it, at 65 shifts up to 8 mm either way: its radius less that of the tape circle, mm; empty where it misses the rail in the
     /// range.
     pub rolling_radii_mm: Vec<f64>,
 }

@@ -105,7 +105,7 @@ impl Package {
     }
 
     /// Those of so many cases of a table that go together, by their numbers: measured profiles on the bodies of the same standards, in packages of at most
-    /// [`LARGEST_PACKAGE`]; every other case by itself.
+    /// 100; every other case by itself.
     pub fn groups(table: &Table, cases: &[usize]) -> Vec<Vec<usize>> {
         let bodies = table.document.bodies();
         let mut alike: BTreeMap<String, Vec<usize>> = BTreeMap::new();
