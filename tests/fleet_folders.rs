@@ -66,7 +66,7 @@ fn a_folder_of_a_fleet_is_a_table() {
         "1 of 3 rows of measured/fleet.csv have no file",
         "3 of 5 files have no row in measured/fleet.csv",
         "3 of 5 files have names of another pattern",
-        "5 pairs at 5 places, 0 of them in the store, 2 of files that cannot be read; 3 to be made",
+        "5 pairs at 5 places, 0 of them in the store, 1 of files that cannot be read; 4 to be made",
         "5 places: 3 complete, 0 with a law that ends early, 2 without a law",
     ] {
         assert!(said.contains(part), "{part}: {said}");
@@ -104,7 +104,7 @@ fn a_folder_of_a_fleet_is_a_table() {
     std::fs::write(place.path("measured/fleet.csv"), list.replace("Nord", "Ost")).unwrap();
     let (code, said) = place.run(&["table", "table.toml", "-o", "out", "--diff", "out/table.csv"]);
     assert_eq!(code, Some(1), "{said}");
-    assert!(said.contains("3 of them in the store, 2 of files that cannot be read; 0 to be made"), "{said}");
+    assert!(said.contains("3 of them in the store, 1 of files that cannot be read; 1 to be made"), "{said}");
     assert!(said.contains("0 places with other values, 0 new, 0 gone"), "{said}");
 }
 
@@ -238,7 +238,7 @@ fn wheels_have_the_diameters_of_their_list() {
     for (radius, (shared, own)) in [421.0, 426.75, 429.0].iter().zip(shared.iter().zip(&own)) {
         assert_eq!(shared["bodies"], "nominal");
         assert!((number(shared, "rolling_radius_mm") - radius).abs() < 1.0, "{radius}");
-        assert!((0.5..2.0).contains(&number(shared, "off_bodies_mm")), "{radius}");
+        assert!((0.5..4.0).contains(&number(shared, "off_bodies_mm")), "{radius}");
         for (value, band, grid) in [
             ("displacement_mm_at_20kn", "displacement_rel_bodies_band", 0.0),
             ("stiffness_kn_per_m_at_20kn", "stiffness_rel_bodies_band", GRID),

@@ -206,6 +206,14 @@ fn edited_files_are_refused() {
     let place = Place::with_results();
     std::fs::remove_file(place.out("results.json")).unwrap();
     let refused = place.run(&same, &["report", "--quiet"]);
+    // without the list no file is known as the program's own
+    assert!(
+        message(&refused).contains("out/report.html = a file that this program"),
+        "{}",
+        message(&refused)
+    );
+    std::fs::remove_file(place.out("report.html")).unwrap();
+    let refused = place.run(&same, &["report", "--quiet"]);
     assert!(
         message(&refused).contains("out/stiffness.json (not listed in results.json)"),
         "{}",

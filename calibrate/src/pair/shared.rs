@@ -19,8 +19,8 @@ use std::sync::Arc;
 pub const FARTHEST_SURFACE: f64 = 4.0 * MILLIMETRE;
 /// Turn of a rail against the one whose body it is on, rad: rounding.
 const SAME_TURN: f64 = 1e-9;
-/// Distance of nodes of two wheels that are at the same place, m: the lengths of the elements along the circumference are rounded to fill it.
-const SAME_PLACE: f64 = 0.1 * MILLIMETRE;
+/// Distance of corresponding nodes of two wheels, as a part of the element beside them: elements beyond the finest are stretched to fill the circumference.
+const SAME_PLACE: f64 = 0.1;
 
 impl Pair {
     /// Other surfaces in a `track` on the condensed `bodies` of this pair: the nodes of the bodies' grids go to the nearest places of these
@@ -90,7 +90,8 @@ pub fn wheel_between(pairs: [(&Pair, &CondensedPair); 2], radius: f64) -> Result
     }
     let mix = |a: f64, b: f64| a + share * (b - a);
     let compliance = &*one.compliance * Scale(1.0 - share) + &*other.compliance * Scale(share);
-    let along_track = one.grid.along_track.iter().map(|angle| angle * radii[0] / radius).collect();
+    let nodes = one.grid.along_track.iter().zip(&other.grid.along_track);
+    let along_track = nodes.map(|(a, b)| mix(a * radii[0], b * radii[1]) / radius).collect();
     let wheel = CondensedBody {
         key: format!("{share} between {} and {}", one.key, other.key),
         compliance: Arc::new(compliance),
@@ -107,11 +108,12 @@ pub fn wheel_between(pairs: [(&Pair, &CondensedPair); 2], radius: f64) -> Result
     Ok((pair, of_smaller.with_bodies(wheel, rail_on_ends.clone(), rail_on_foot.clone())))
 }
 
-/// Whether the nodes of two grids on wheels of these radii (m) have the same places along the profile and the same arc lengths.
+/// Whether the nodes of two grids on wheels of these radii (m) are as many, and have nearly the same places along the profile and arc lengths.
 fn are_alike(grids: [&SurfaceGrid; 2], radii: [f64; 2]) -> bool {
     let alike = |a: &[f64], b: &[f64], radii: [f64; 2]| {
-        let near = |(a, b): (&f64, &f64)| (a * radii[0] - b * radii[1]).abs() < SAME_PLACE;
-        a.len() == b.len() && a.iter().zip(b).all(near)
+        let element = |k: usize| (a[if k == 0 { 1 } else { k - 1 }] - a[k]).abs() * radii[0];
+        let near = |k: usize| (a[k] * radii[0] - b[k] * radii[1]).abs() < SAME_PLACE * element(k);
+        a.len() == b.len() && (0..a.len()).all(near)
     };
     let [one, other] = grids;
     alike(&one.along_profile, &other.along_profile, [1.0; 2])
