@@ -40,7 +40,7 @@ fn a_hole_enters_verdict_exit_code_and_band() {
 }
 
 /// Source: the same rails in a table, on the bodies of the standard. Goal: the row of the hole has the finding and no band, that of the whole profile a
-/// band and no finding; CSV and JSON say the same, a second run from the store too; the exit code is 1 for both rails and 0 for the whole one.
+/// band and no finding. CSV and JSON say the same, and so does a second run from the store. The exit code is 1 for both rails and 0 for the whole one.
 #[test]
 fn a_hole_enters_the_rows_of_a_table() {
     let place =

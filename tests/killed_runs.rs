@@ -192,7 +192,7 @@ fn answers(out: &Path) -> [Value; 2] {
 }
 
 /// Source: cross-checks and reports of both studies that were left alone. Goal: whenever a cross-check is killed over that of the other study, the results of the folder are as
-/// they were, its cross-check is one of the two and whole, the report says of which study, and the next cross-check has the answers of one that was left alone, with nothing left over.
+/// they were. Its cross-check is one of the two and whole, and the report says of which study. The next cross-check has the answers of one that was left alone, with nothing left over.
 #[test]
 #[ignore = "a minute: cargo long killed_runs"]
 fn a_killed_cross_check_leaves_no_mixture() {

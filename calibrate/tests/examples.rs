@@ -14,7 +14,8 @@ mod law_by_angle;
 mod measured_pair;
 
 fn coarse() -> FitOptions {
-    let mesh = MeshOptions { contact_element: 6e-3, contact_element_along: 6e-3, ..MeshOptions::default() };
+    let FitOptions { mesh, .. } = FitOptions::default();
+    let mesh = MeshOptions { contact_element: 6e-3, contact_element_along: 6e-3, ..mesh };
     FitOptions { mesh, ..FitOptions::default() }
 }
 

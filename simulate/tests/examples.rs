@@ -19,7 +19,8 @@ use own_linear_part::Oscillator;
 #[test]
 fn the_element_carries_the_forces_of_the_load_case() {
     const INERTIA: f64 = 0.03;
-    let mesh = MeshOptions { contact_element: 6e-3, contact_element_along: 6e-3, ..MeshOptions::default() };
+    let FitOptions { mesh, .. } = FitOptions::default();
+    let mesh = MeshOptions { contact_element: 6e-3, contact_element_along: 6e-3, ..mesh };
     let material = Material { damping: 6.4e-6, ..Material::STEEL };
     let options = FitOptions { mesh, material, ..FitOptions::default() };
     let history = load_case::history(&options).unwrap();

@@ -31,9 +31,11 @@ pub struct FitOptions {
 
 impl Default for FitOptions {
     fn default() -> Self {
+        let mesh = MeshOptions::default();
         Self {
             rail_length: 0.555,
-            mesh: MeshOptions::default(),
+            // a patch of the flange is longer than the window; the fine grid goes on beyond it
+            mesh: MeshOptions { contact_half_length: 2.0 * mesh.window_half_length, ..mesh },
             material: Material::STEEL,
             element: Formulation::IncompatibleModes,
             contact: ContactConditions {
