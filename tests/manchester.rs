@@ -73,6 +73,42 @@ fn limits(side: &str, shift: f64) -> Option<[f64; 3]> {
     }
 }
 
+/// Source: the same table at shifts of 3 and 4 mm, and at 5 mm, where the gauge corner bears and the tread, 22 µm
+/// higher (`docs/manchester-a22.md`). Goal: `profile contact --yaw-mrad` has place, lead and angle of
+/// the yawed wheelset, whose roll it finds by itself; `--gap-um` names the second point. Accuracy: [`limits`]; 1 µm.
+#[test]
+fn the_command_has_yaw_and_gap_of_case_a22() {
+    let place = tempfile::tempdir().unwrap();
+    let contact = |shift: f64, gap_um: f64| -> Vec<Vec<String>> {
+        let mut command = assert_cmd::Command::cargo_bin("railspring").unwrap();
+        let yaw = (YAW_PER_SHIFT * shift).to_string();
+        let [shift, gap_um] = [shift, gap_um].map(|value| value.to_string());
+        let arguments = ["--yaw-mrad", &yaw, "--shift-mm", &shift, "--step-mm", &shift, "--gap-um", &gap_um];
+        command.current_dir(place.path()).args(["profile", "contact", "S1002", "UIC60"]).args(arguments);
+        command.assert().success();
+        let csv = std::fs::read_to_string(place.path().join("contact.csv")).unwrap();
+        let cells = csv.lines().map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>());
+        cells.filter(|cells| cells[0].parse() == Ok(shift.parse::<f64>().unwrap())).collect()
+    };
+    let two = contact(5.0, 30.0);
+    let gaps: Vec<f64> = two.iter().filter(|c| c[1] == "right").map(|c| c[3].parse().unwrap()).collect();
+    assert!(gaps.len() == 2 && gaps[0] == 0.0 && (gaps[1] - 22.4).abs() < 1.0, "{gaps:?}");
+
+    let Some(text) = railspring_testing::facts_text("contact/mbench_contact_positions.csv") else { return };
+    for (side, shift) in [("left", 4.0), ("right", 3.0), ("right", 4.0)] {
+        let rows = contact(shift, 0.0);
+        let row = rows.iter().find(|cells| cells[1] == side).unwrap();
+        let own = [6, 7, 10].map(|column: usize| row[column].parse::<f64>().unwrap());
+        let rows = table(&text, side);
+        let (theirs, _) = rows.iter().find(|(place, _)| place.shift == shift).unwrap();
+        let off = [own[1] - theirs.on_rail, own[0] - theirs.ahead, own[2] - theirs.angle];
+        let [lateral, lead, angle] = limits(side, shift).unwrap();
+        println!("{side} {shift}: rail, lead (mm), angle (rad) off by {off:.4?}");
+        let within = off[0].abs() < lateral && off[1].abs() < lead && off[2].abs() < angle;
+        assert!(within, "{side} {shift}: {off:?}");
+    }
+}
+
 /// Source: case of the Manchester benchmark by the CONTACT program (`contact/mbench_contact_positions.csv`, mm
 /// and rad): S1002 on UIC60 1:40, gauge 1435, 10 kN a wheel, yaw 2.4 mrad/mm, roll as in the table. Its positions are
 /// weighted by pressure over elastic patches, ours are those of first touch. Goal: place, lead and angle on both

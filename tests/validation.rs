@@ -258,7 +258,8 @@ fn made() -> &'static Made {
 }
 
 /// Goal: the report says that there is no cross-check, has its chapter as soon as there is one, and
-/// says when it is of another study; report and page point to each other, a page alone to nothing.
+/// says when it is of another study; report and page point to each other, a page alone to nothing. One that was
+/// edited is refused.
 #[test]
 fn report_and_page_belong_together() {
     let made = made();
@@ -278,6 +279,14 @@ fn report_and_page_belong_together() {
     let alone = std::fs::read_to_string(other.file("crosscheck.html")).unwrap();
     assert!(!alone.contains("href=") && !other.file("report.html").exists());
 
+    for name in ["crosscheck.json", "crosscheck/differences.json"] {
+        let written = made.page(name);
+        let edited = written.replacen("1.0", "1.5", 1).replacen("\"holds\": false", "\"holds\": true", 1);
+        assert!(edited != written, "{name}");
+        std::fs::write(made.out.join(name), edited).unwrap();
+        made.railspring(&["report"], 2);
+        std::fs::write(made.out.join(name), written).unwrap();
+    }
     let stale = made.page("crosscheck.json").replace(&CrosscheckInput::of(&study).key(), &"0".repeat(64));
     std::fs::write(made.out.join("crosscheck.json"), stale).unwrap();
     made.railspring(&["report"], 0);

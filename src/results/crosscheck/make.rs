@@ -64,6 +64,7 @@ pub fn crosscheck(
         checks,
         timings,
         in_time: None,
+        content_blake3: String::new(),
     };
     let differences = differences(&record, &prepared, &reference);
     Ok((record, differences))
@@ -163,5 +164,6 @@ fn differences(record: &CrosscheckRecord, prepared: &Prepared, reference: &Refer
         input_hash: record.input_hash.clone(),
         begun_utc: record.begun_utc.clone(),
         sections: sections.collect(),
+        content_blake3: String::new(),
     }
 }

@@ -5,6 +5,8 @@ use std::collections::BTreeMap;
 use railspring_profiles::units::KILONEWTON;
 use serde::{Deserialize, Serialize};
 
+use crate::engine::seal::Sealed;
+
 /// Quantity: displacement of the hub against the support.
 pub const HUB_DISPLACEMENT: &str = "hub displacement";
 /// Quantity: tangent stiffness of load over hub displacement.
@@ -48,6 +50,15 @@ pub struct CrosscheckRecord {
     /// The forces over time, of a cross-check of a load case.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub in_time: Option<ForcesInTime>,
+    /// Hash of all that stands above.
+    #[serde(default)]
+    pub content_blake3: String,
+}
+
+impl Sealed for CrosscheckRecord {
+    fn seal(&mut self) -> &mut String {
+        &mut self.content_blake3
+    }
 }
 
 /// Vertical and lateral force of a load case by both programs.
@@ -179,6 +190,15 @@ pub struct Differences {
     pub begun_utc: String,
     /// One section per body.
     pub sections: Vec<SectionDifference>,
+    /// Hash of all that stands above.
+    #[serde(default)]
+    pub content_blake3: String,
+}
+
+impl Sealed for Differences {
+    fn seal(&mut self) -> &mut String {
+        &mut self.content_blake3
+    }
 }
 
 /// Differences on the section of a body through the place of the largest one: across the rail, or

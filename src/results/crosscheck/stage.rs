@@ -4,6 +4,7 @@ use railspring_profiles::error::Result;
 
 use crate::engine::list::NewFile;
 use crate::engine::output::{OutputFolder, to_json};
+use crate::engine::seal::Sealed;
 use crate::engine::stage::{Engine, Stage, StageOutput};
 use crate::engine::store::{Address, Artefact};
 use crate::results::bodies::estimate::Resources;
@@ -42,12 +43,12 @@ impl Stage for Crosscheck<'_> {
         let (record, differences) =
             crosscheck(&self.input, &folder, self.cases, self.solvers, &self.resources)?;
         let artefact = Artefact::default().with(CROSSCHECK, to_json(&record));
-        Ok(StageOutput::whole(artefact.with(DIFFERENCES, to_json(&differences))))
+        Ok(StageOutput::whole(artefact.with(DIFFERENCES, to_json(&differences.sealed()))))
     }
 
     fn value(&mut self, artefact: &Artefact, _: &str) -> Result<CrosscheckRecord> {
         let record: CrosscheckRecord = artefact.json(CROSSCHECK)?;
-        Ok(CrosscheckRecord { study: self.input.name().into(), ..record })
+        Ok(CrosscheckRecord { study: self.input.name().into(), ..record }.sealed())
     }
 
     fn files(&self, artefact: &Artefact, value: &CrosscheckRecord, key: &str) -> Vec<NewFile> {

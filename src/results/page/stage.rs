@@ -5,6 +5,7 @@ use railspring_profiles::error::Result;
 use super::build;
 use crate::engine::list::{Entry, NewFile, Results};
 use crate::engine::output::OutputFolder;
+use crate::engine::seal::Sealed;
 use crate::engine::stage::{Engine, Stage, StageOutput};
 use crate::engine::store::{Address, Artefact, Kind};
 use crate::results::bodies::geometry;
@@ -89,8 +90,9 @@ impl<'s> Stage for Report<'s, '_> {
                 }
             })
             .collect();
-        let crosscheck = own_crosscheck(input, engine.folder);
-        let sections = crosscheck.as_ref().map_or_else(Vec::new, |record| differences(engine.folder, record));
+        let crosscheck = own_crosscheck(input, engine.folder)?;
+        let sections = crosscheck.as_ref().map(|record| differences(engine.folder, record));
+        let sections = sections.transpose()?.unwrap_or_default();
         // The folder may have runs of other load cases.
         let inputs = [STIFFNESS, BY_ANGLE].into_iter().chain(self.verdict.inputs.keys().map(String::as_str));
         let entries: Vec<Entry> = inputs.filter_map(|name| engine.results.entry(name)).collect();
@@ -170,33 +172,44 @@ pub(crate) fn write_report(engine: &mut Engine<'_>, mut report: Report<'_, '_>) 
     }
     engine.get(&mut report)?;
     let folder = engine.folder;
-    let Some(record) = own_crosscheck(&report.input, folder) else { return Ok(()) };
+    let Some(record) = own_crosscheck(&report.input, folder)? else { return Ok(()) };
     crosscheck_page(&report.input, folder, &record, true)
 }
 
 /// The page of the folder's cross-check where there is no report.
 ///
 /// # Errors
-/// A cross-check that is not there, and a page that cannot be written.
+/// A cross-check that is not there or was edited, and a page that cannot be written.
 pub(crate) fn crosscheck_alone(input: &PageInput<'_>, folder: &OutputFolder) -> Result<()> {
-    let record = folder.read_json(CROSSCHECK, "crosscheck")?;
+    let record: CrosscheckRecord = folder.read_json(CROSSCHECK, "crosscheck")?;
+    record.check_as_written(&folder.file(CROSSCHECK), "crosscheck")?;
     crosscheck_page(input, folder, &record, false)
 }
 
 /// The cross-check of the folder if it is one of this study: `None` if it is of another study
 /// or has another layout.
-fn own_crosscheck(input: &PageInput<'_>, folder: &OutputFolder) -> Option<CrosscheckRecord> {
-    let record: CrosscheckRecord = folder.read_json(CROSSCHECK, "crosscheck").ok()?;
-    input.crosschecks.contains(&record.input_hash).then_some(record)
+///
+/// # Errors
+/// One of this study that was edited.
+fn own_crosscheck(input: &PageInput<'_>, folder: &OutputFolder) -> Result<Option<CrosscheckRecord>> {
+    let Ok(record) = folder.read_json::<CrosscheckRecord>(CROSSCHECK, "crosscheck") else { return Ok(None) };
+    if !input.crosschecks.contains(&record.input_hash) {
+        return Ok(None);
+    }
+    record.check_as_written(&folder.file(CROSSCHECK), "crosscheck")?;
+    Ok(Some(record))
 }
 
 /// The sections of that very cross-check; none if they are not there.
-fn differences(folder: &OutputFolder, record: &CrosscheckRecord) -> Vec<SectionDifference> {
-    folder
-        .read_json::<Differences>(DIFFERENCES, "crosscheck")
-        .ok()
-        .filter(|d| d.input_hash == record.input_hash && d.begun_utc == record.begun_utc)
-        .map_or_else(Vec::new, |d| d.sections)
+///
+/// # Errors
+/// Sections that were edited.
+fn differences(folder: &OutputFolder, record: &CrosscheckRecord) -> Result<Vec<SectionDifference>> {
+    let found = folder.read_json::<Differences>(DIFFERENCES, "crosscheck").ok();
+    let same = |d: &Differences| d.input_hash == record.input_hash && d.begun_utc == record.begun_utc;
+    let Some(own) = found.filter(same) else { return Ok(Vec::new()) };
+    own.check_as_written(&folder.file(DIFFERENCES), "crosscheck")?;
+    Ok(own.sections)
 }
 
 fn crosscheck_page(
@@ -205,7 +218,7 @@ fn crosscheck_page(
     record: &CrosscheckRecord,
     report: bool,
 ) -> Result<()> {
-    let sections = differences(folder, record);
+    let sections = differences(folder, record)?;
     let data =
         PageData { description: input.description, inputs: &input.keys, record, sections: &sections, report };
     let results = Results::new(folder);

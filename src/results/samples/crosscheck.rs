@@ -98,6 +98,7 @@ pub(crate) fn crosscheck() -> CrosscheckRecord {
         checks,
         timings: timings.into(),
         in_time: None,
+        content_blake3: String::new(),
     }
 }
 

@@ -70,5 +70,6 @@ pub fn crosscheck(
         checks,
         reference: Provenance { package_hash: python::package_hash_in_time(), ..reference.provenance },
         in_time: Some(forces),
+        content_blake3: String::new(),
     })
 }

@@ -6,6 +6,7 @@ use super::input::InTimeInput;
 use super::make::crosscheck;
 use crate::engine::list::NewFile;
 use crate::engine::output::{OutputFolder, to_json};
+use crate::engine::seal::Sealed;
 use crate::engine::stage::{Engine, Stage, StageOutput};
 use crate::engine::store::{Address, Artefact};
 use crate::python::{self, Python};
@@ -40,7 +41,7 @@ impl Stage for CrosscheckInTime<'_> {
 
     fn value(&mut self, artefact: &Artefact, _: &str) -> Result<CrosscheckRecord> {
         let record: CrosscheckRecord = artefact.json(CROSSCHECK)?;
-        Ok(CrosscheckRecord { study: self.input.study().into(), ..record })
+        Ok(CrosscheckRecord { study: self.input.study().into(), ..record }.sealed())
     }
 
     fn files(&self, _: &Artefact, value: &CrosscheckRecord, key: &str) -> Vec<NewFile> {
