@@ -81,7 +81,7 @@ impl Summary {
         let Self { places, again, beside, workers_lost, seconds, .. } = self;
         let rate = *places as f64 / seconds.max(1e-3);
         format!(
-            "{places} places by the cluster in {seconds:.0} s ({rate:.1} a second); {again} steps begun again, {beside} a second time, \
+            "{places} places by the cluster in {seconds:.0} s ({rate:.1} a second); {again} steps restarted, {beside} started twice, \
              {workers_lost} workers lost"
         )
     }

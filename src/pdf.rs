@@ -90,7 +90,7 @@ impl Printer {
         let ended = run(&mut command, &Limits { time: LONGEST, output: SAID, memory: None }, &|| Ok(()))
             .map_err(|stop| match stop {
                 Stop::Failed(cause) => failed(cause.to_string()),
-                Stop::Time => failed(format!("no end after {} s", LONGEST.as_secs())),
+                Stop::Time => failed(format!("not finished after {} s", LONGEST.as_secs())),
                 Stop::Output => failed("more messages than a browser has".into()),
                 Stop::Memory => failed("more memory than allowed".into()),
                 Stop::Asked(cause) => failed(cause.to_string()),

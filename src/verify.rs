@@ -103,7 +103,7 @@ pub const LOADS_LEFT_OUT: Criterion = Criterion {
 /// How many things were found in measured profiles and could not be repaired.
 pub const PROFILE_FINDINGS: Criterion = Criterion {
     quantity: "profile_findings",
-    meaning: "Findings in measured profiles that are left to look at",
+    meaning: "Unresolved findings in measured profiles",
     kind: Kind::Consistency,
     unit: "1",
     limit: 0.0,

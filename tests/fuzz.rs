@@ -32,7 +32,7 @@ use railspring_testing::fuzz::{Corpus, Effort, Fate};
 use tempfile::TempDir;
 
 /// Time for each reader in the usual tests.
-const SOME: Effort = Effort::Time(Duration::from_secs(5));
+const SOME: Effort = Effort::Time(Duration::from_secs(10));
 /// The readers below.
 const READERS: [fn(Effort); 5] = [profiles, sections, documents, springs, entries];
 /// Time for all of them in the long test.

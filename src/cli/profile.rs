@@ -167,7 +167,7 @@ fn check(file: &FileArgs, figure: Option<&Path>) -> Result<bool, Error> {
     }
     let left = prepared.findings.iter().filter(|finding| finding.action == Action::Left).count();
     if left > 0 {
-        say(&format!("{left} findings are left to look at"))?;
+        say(&format!("{left} findings are unresolved"))?;
     }
     Ok(left == 0)
 }

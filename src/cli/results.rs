@@ -291,7 +291,7 @@ impl Springs {
             constant("c", constants.c, law.c_standard_error, at_bound.c, ""),
             Line::plain(format!("  f0   {} kN", constants.f0_kn)),
             Line::plain(format!(
-                "  off the tangents of the solid by {} % (RMS), {} % at most",
+                "  error against the tangents of the solid: {} % (RMS), {} % at most",
                 percent(law.rms_rel_error),
                 percent(law.max_rel_error)
             )),

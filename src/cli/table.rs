@@ -214,8 +214,7 @@ fn made(args: &TableArgs, table: &Table) -> Result<bool, Error> {
     let with_findings = made.iter().filter(|(_, record)| !record.findings_left.is_empty()).count();
     let unsure = (with_findings > 0).then(|| {
         format!(
-            "no sure surface: {with_findings} places have findings that are left in their profiles, in the column \
-             findings_left of {}",
+            "{with_findings} places have unresolved findings in their profiles: see the column findings_left of {}",
             folder.file(ROWS).display()
         )
     });

@@ -127,8 +127,12 @@ fn constants(a: &Side, b: &Side, reference: &str) -> Group {
             }),
             row("c", "1", &|law| Value::with_error(law.constants.c, law.c_standard_error)),
             row("f0", "kN", &|law| plain(law.constants.f0_kn)),
-            row("law off the solid's tangents, RMS", "%", &|law| plain(1e2 * law.rms_rel_error)),
-            row("law off the solid's tangents, largest", "%", &|law| plain(1e2 * law.max_rel_error)),
+            row("error of the law against the solid's tangents, RMS", "%", &|law| {
+                plain(1e2 * law.rms_rel_error)
+            }),
+            row("error of the law against the solid's tangents, largest", "%", &|law| {
+                plain(1e2 * law.max_rel_error)
+            }),
         ],
     }
 }

@@ -66,7 +66,7 @@ limits! {
         "Averaged Q/P, largest difference";
     ratio_window_s: f64 = 0.024, [1e-6, 1e3],
         "Time over which Q and P are averaged before they are divided, s; 2 m at 300 km/h"
-            + "Q/P is compared where the solid's averaged P carries it: where the uncertainty of both forces of the solid moves it by `ratio_max` at most";
+            + "Q/P is compared where the uncertainty of both forces of the solid moves it by `ratio_max` at most";
     ratio_left_out: f64 = 0.50, [0.0, 1.0], Verification in "1",
         "Averaged Q/P of the solid not known, share of the time at which its averaged P is a tenth of the peak";
     separation_begin_s: f64 = 0.001, [0.0, 1e3], Verification in "s",

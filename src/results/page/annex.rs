@@ -212,7 +212,7 @@ fn uncertainty(data: &ReportData<'_>) -> Vec<Row> {
         row("Numerical, u_num", format!("at {load}: {}", all(&|of| of.numerical)), "springs"),
         row(
             "Inputs, u_input",
-            format!("at {load}: {}; most by {}", all(&|of| Some(of.input)), leading.join(", ")),
+            format!("at {load}: {}; mostly from {}", all(&|of| Some(of.input)), leading.join(", ")),
             "springs",
         ),
         row(

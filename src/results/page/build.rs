@@ -46,7 +46,7 @@ pub fn build(data: &ReportData<'_>) -> Report {
         collected.add(
             "compliance",
             figures::compliance(&stiffness.compliance_split),
-            "Parts of the tangent compliance. Local contact, wheel body and rail body together are the law in use; all parts together are the solid between the hub and the support of the rail. A part is a difference of two compliances; one left of zero is negative and takes back what the parts beside it have too much, as where the beam bends more than the solid rail.".into(),
+            "Parts of the tangent compliance. Local contact, wheel body and rail body together are the law in use; all parts together are the solid between the hub and the support of the rail. A part is a difference of two compliances. A negative one balances an excess of its neighbours, for instance where the beam bends more than the solid rail.".into(),
         ),
         collected.add(
             "patch",

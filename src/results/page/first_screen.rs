@@ -147,7 +147,7 @@ fn springs(stiffness: &StiffnessRecord) -> Vec<[String; 2]> {
         row("error band, displacement", band_text(band.and_then(|band| band.displacement))),
         row("error band, tangent", band_text(band.and_then(|band| band.tangent))),
         row(
-            "law off the solid's tangents",
+            "error of the law against the solid's tangents",
             format!(
                 "{} % (RMS), {} % at most",
                 significant(1e2 * law.rms_rel_error, 2),

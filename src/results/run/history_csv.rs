@@ -37,9 +37,9 @@ fn of_row() -> Vec<Column<HistoryRow>> {
             |row| Some(row.energy?.kinetic);
         "elastic_j", "Elastic energy of bodies, springs and contact, J", |row| Some(row.energy?.elastic);
         "work_j", "Work of forces and weights, J", |row| Some(row.energy?.work);
-        "damped_j", "What material and dampers have taken, J", |row| Some(row.energy?.damped);
-        "friction_j", "What friction has taken, J", |row| Some(row.energy?.friction);
-        "energy_drift_j", "What there is more than the balance says, J", |row| Some(row.energy?.drift);
+        "damped_j", "Energy dissipated by material and dampers, J", |row| Some(row.energy?.damped);
+        "friction_j", "Energy dissipated by friction, J", |row| Some(row.energy?.friction);
+        "energy_drift_j", "Excess of the energy over the balance, J", |row| Some(row.energy?.drift);
     }
 }
 

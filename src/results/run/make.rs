@@ -157,7 +157,7 @@ impl RunWithErrors {
         let changed = |(with, other): (String, OtherRun)| {
             let change =
                 other.and_then(|other| ModelChange::between([of_models, &other], &with, determined_until));
-            change.map_err(|reason| format!("what a run with {with} changes is not known: {reason}"))
+            change.map_err(|reason| format!("the change with {with} is not known: {reason}"))
         };
         let discretisation = models.into_iter().map(changed).collect();
         Self { uncertainty: NumericalUncertainty { steps, spread, discretisation }, disturbed }

@@ -70,12 +70,12 @@ impl RunRecord {
         notes.extend(lost_contact(history).map(|lost| format!("{model}: {lost}")));
         notes.push(match &uncertainty.steps {
             Ok(change) => format!("{model}: {change}"),
-            Err(reason) => format!("{model}: what steps of another length change is not known: {reason}"),
+            Err(reason) => format!("{model}: the change with steps of another length is not known: {reason}"),
         });
         notes.push(match &uncertainty.spread {
             Ok(change) => format!("{model}: {change}"),
             Err(reason) => {
-                format!("{model}: what an input that is 0.1 % larger changes is not known: {reason}")
+                format!("{model}: the change with an input that is 0.1 % larger is not known: {reason}")
             }
         });
         notes.extend(uncertainty.discretisation.iter().map(|of| match of {
@@ -117,7 +117,7 @@ impl RunRecord {
     ) -> Self {
         let record = reduction.map(ReductionRecord::from);
         let unknown = reduction.filter(|reduction| reduction.time == 0.0).map(|_| {
-            "solid model: what other modes change is not known: a run with them ended in its first time step".into()
+            "solid model: the change with other modes is not known: a run with them ended in its first time step".into()
         });
         let notes = reduction.filter(|reduction| !reduction.suffices()).map(|reduction| {
             let [vertical, lateral] = reduction.change.map(|change| 100.0 * change);

@@ -162,7 +162,7 @@ impl UncertainRunRecord {
 fn of_row() -> Vec<Column<UncertainRow>> {
     columns! { UncertainRow:
         "time_s", "Time, s", |row| row.time;
-        "samples", "Samples whose run has come so far", |row| row.samples;
+        "samples", "Samples whose run reaches this time", |row| row.samples;
         "p_q025_kn", "Vertical force P, kN: 2.5 % of the samples lie below; none where more than a twentieth of all samples has none, as all quantiles", |row| row.p.map(|of| of[0]);
         "p_q160_kn", "The same: 16 %", |row| row.p.map(|of| of[1]);
         "p_q500_kn", "The same: median", |row| row.p.map(|of| of[2]);

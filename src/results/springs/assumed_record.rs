@@ -63,14 +63,14 @@ impl AssumedRecord {
             format!("k_h between {} and {} kN/m", significant(least, 2), significant(most, 2))
         }));
         if !self.missing.is_empty() {
-            parts.push(format!("without {} that came to no answer", self.missing.join(" and ")));
+            parts.push(format!("without {}, which have no result", self.missing.join(" and ")));
         }
         parts.join("; ")
     }
 
     /// The keys that say it otherwise, in a sentence.
     pub fn given_by(&self) -> String {
-        format!("given by: {}", self.keys.join(", "))
+        format!("keys that give them: {}", self.keys.join(", "))
     }
 
     /// What may be of the springs with a reference.

@@ -321,7 +321,8 @@ pub(crate) fn best_of_forms(forms: &[FormRecord]) -> Option<String> {
     let [low, high] =
         [power.off.first()?.force_kn, power.off.last()?.force_kn].map(|load| significant(load, 3));
     let best = forms.iter().min_by(|a, b| largest(a).total_cmp(&largest(b)))?;
-    let published = format!("the published form from {low} to {high} kN, off: {}", power.largest_errors());
+    let published =
+        format!("largest errors of the published form from {low} to {high} kN: {}", power.largest_errors());
     let from = |limit: f64| {
         let percent = significant(1e2 * limit, 1);
         let from = power.holds_from(limit)?;

@@ -178,7 +178,7 @@ impl StiffnessRecord {
         lines.extend(horizontal.map(HorizontalBandRecord::sentence));
         if let Some(assumed) = &self.assumed {
             lines.extend([assumed.sentence(), assumed.range(&self.reference)]);
-            lines.extend(assumed.missing.iter().map(|part| format!("no answer of another body: {part}")));
+            lines.extend(assumed.missing.iter().map(|part| format!("no result with another body: {part}")));
         }
         lines
     }

@@ -148,7 +148,7 @@ impl InputUncertaintyRecord {
             named.collect::<Vec<_>>().join(", ")
         };
         let mut all = vec![format!(
-            "uncertainty (95 %) at {} kN: displacement {}, tangent {}, most by {}",
+            "uncertainty (95 %) at {} kN: displacement {}, tangent {}, mostly from {}",
             significant(point.force_kn, 3),
             point.displacement.sentence(),
             point.tangent.sentence(),
@@ -156,7 +156,7 @@ impl InputUncertaintyRecord {
         )];
         all.extend(self.horizontal.as_ref().map(|horizontal| {
             let most = leading(horizontal, 1);
-            format!("uncertainty (95 %) of k_h: {}, most by {most}", horizontal.sentence())
+            format!("uncertainty (95 %) of k_h: {}, mostly from {most}", horizontal.sentence())
         }));
         all
     }

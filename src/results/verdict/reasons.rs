@@ -8,7 +8,7 @@ const HEADING: &str = "## The limits";
 /// Why the limit of a quantity is what it is.
 pub(crate) fn reason(quantity: &str) -> &'static str {
     /// Lines that count something have no key.
-    const COUNTED: &str = "counts what must not happen at all";
+    const COUNTED: &str = "the event must not occur";
     rows().find(|(keys, _)| keys.split('`').any(|key| key == quantity)).map_or(COUNTED, |(_, why)| why)
 }
 
@@ -35,6 +35,6 @@ mod tests {
             assert!(rows().any(|(_, why)| why == reason(key)), "{key}");
         }
         assert_eq!(reason("beam_missing"), "twice the 1 % that the mesh of the rail is off in bending");
-        assert_eq!(reason("touches"), "counts what must not happen at all");
+        assert_eq!(reason("touches"), "the event must not occur");
     }
 }

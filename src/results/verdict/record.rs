@@ -117,7 +117,7 @@ impl VerdictOn {
     /// The lines, counted.
     pub fn counts(&self) -> String {
         format!(
-            "{} hold, {} hold only by the solid's own error, {} fail",
+            "{} hold, {} hold only within the solid's numerical uncertainty, {} fail",
             self.hold, self.hold_by_solid, self.fail
         )
     }
@@ -318,7 +318,9 @@ impl VerificationRecord {
         };
         let [hold, hold_by_solid, fail] = self.counts(self.decides);
         let name = self.decides.name();
-        format!("{name}: {hold} hold, {hold_by_solid} hold only by the solid's own error, {fail} fail{scope}")
+        format!(
+            "{name}: {hold} hold, {hold_by_solid} hold only within the solid's numerical uncertainty, {fail} fail{scope}"
+        )
     }
 
     /// The verdict in a sentence: how many limits fail, and which one most.

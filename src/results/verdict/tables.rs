@@ -144,7 +144,7 @@ pub(crate) struct Inputs {
     left_out: String,
     /// Sentences.
     lines: Vec<String>,
-    /// Values that each run has once: what, nominal, band, most by.
+    /// Values that each run has once: what, nominal, band, mostly from.
     rows: Vec<[String; 5]>,
 }
 
@@ -184,7 +184,7 @@ pub(crate) fn line_text(subject: &str, line: &Line) -> LineText {
         verdict: match line.held_by {
             None => "fails",
             Some(HeldBy::Limit) => "holds",
-            Some(HeldBy::SolidUncertainty) => "holds within the solid's own uncertainty",
+            Some(HeldBy::SolidUncertainty) => "holds only within the solid's numerical uncertainty",
         },
         note: line.note.clone(),
     }

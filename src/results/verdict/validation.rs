@@ -57,7 +57,7 @@ pub struct ValidationPointRecord {
 }
 
 impl ValidationPointRecord {
-    /// Whether the error is within its own uncertainty, so that the model's error is not told apart from none.
+    /// Whether the error is within its own uncertainty, so that the error of the model cannot be distinguished from zero.
     pub fn within(&self) -> bool {
         self.error_mm.abs() <= TWICE * self.validation_mm
     }

@@ -38,7 +38,7 @@ pub fn figure(of: &ValidationRecord) -> Option<String> {
 /// What the figure shows.
 pub fn caption(of: &ValidationRecord) -> String {
     format!(
-        "Displacement against {} of the solid and of the measured curve {}, and their difference. Where its band has the zero inside, the model's error is not told apart from none (ASME V&V 20).",
+        "Displacement against {} of the solid and of the measured curve {}, and their difference. Where its band contains zero, the error of the model cannot be distinguished from zero (ASME V&V 20).",
         of.reference, of.file
     )
 }

@@ -287,7 +287,7 @@ fn the_first_screen_says_the_verdict() {
     assert!(first.contains("<span class=\"verdict failing\">"), "{first}");
     assert!(
         first.contains(" fail; worst: sample: ")
-            && first.contains("17 hold, 3 hold only by the solid&#x27;s own error, 2 fail")
+            && first.contains("17 hold, 3 hold only within the solid&#x27;s numerical uncertainty, 2 fail")
             && first.contains("verification.law_max = 0.4 (default 0.15)")
             && first.contains("P 0.07 off")
             && first.contains("railspring 0.1.0 (commit 0123456789ab)")
@@ -299,7 +299,10 @@ fn the_first_screen_says_the_verdict() {
     let same = samples::history(0.0);
     let verdict = verdict(&same, &same);
     let summary = verdict.summary();
-    assert!(verdict.holds && summary.ends_with("0 hold only by the solid's own error, 0 fail"), "{summary}");
+    assert!(
+        verdict.holds && summary.ends_with("0 hold only within the solid's numerical uncertainty, 0 fail"),
+        "{summary}"
+    );
 }
 
 /// Goal: histories of one row, and such that end early, are drawn without panic and with finite coordinates, s.
