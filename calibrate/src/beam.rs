@@ -11,7 +11,7 @@ mod held;
 mod modes;
 
 pub use element::{BeamElement, deflection_functions, rotation_functions};
-pub use factor::{ChainFactor, ElementBlocks, Meeting, NODE, Node};
+pub use factor::{ChainFactor, ElementBlocks, Entry, Meeting, NODE, Node, product};
 pub use held::HeldRail;
 pub use modes::{SectionMode, SectionModes};
 pub use rail::{End, RailBeam, SectionRows};

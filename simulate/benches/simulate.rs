@@ -4,7 +4,7 @@
 //! cases are the published 4.1, a bridge of 25 m that the wheel crosses at 300 km/h, and a loaded wheel that
 //! rolls on a rigid rail and on rails of 20 to 10,000 elements of a decimetre. The cost of the beam is the
 //! ratio to the rigid rail. A batch of load cases runs on one thread and on more. A wheelset rolls on two
-//! rails on sleepers, by a law without profiles.
+//! rails on sleepers, by a law without profiles and with profiles, across the track as well.
 
 use criterion::{
     BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main, measurement::WallTime,
@@ -26,11 +26,14 @@ use railspring_profiles::placement::TrackGeometry;
 use railspring_profiles::section::{rail_section, wheel_section};
 use railspring_simulate::cases::{GRAVITY, bridge, constant_lateral_force, crossing, rolling};
 use railspring_simulate::element::condensed::CondensedModel;
-use railspring_simulate::element::published::{MovingModel, MovingRun, RailSupport, WheelSprings};
+use railspring_simulate::element::published::{
+    MovingModel, MovingRun, RailSupport, WheelSprings, WheelsetContact, WheelsetSide,
+};
 use railspring_simulate::time::scenario::{HarmonicForce, Kelvin, Scenario};
 use railspring_simulate::track::{
-    Carrier, Direction, Layers, LineBeam, Onto, Running, Start, TimeFunction, Track, TrackCase, Unevenness,
-    Way, Wheels, Wheelset,
+    Across, AcrossCase, Carrier, Direction, Layers, LayersAcross, LineBeam, Onto, Running, Start,
+    StartAcross, SwayingWheelset, TimeFunction, Track, TrackCase, TwoRails, UnevenRail, Unevenness, Way,
+    Wheels, Wheelset,
 };
 use rayon::prelude::*;
 
@@ -223,5 +226,93 @@ fn track(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, moving, batch, track);
+/// A wheelset with profiles on the same sleepers, which hold the rails laterally and against twist as well.
+fn across_sleepers(elements: usize) -> AcrossCase {
+    let in_plane = on_sleepers(elements);
+    let pair = pair();
+    let side = || WheelsetSide {
+        rail: pair.placed.clone(),
+        node_line: pair.node_line(),
+        wheel: pair.wheel.running.clone(),
+        wheel_radius: pair.wheel.radius,
+        tape: nalgebra::Point2::new(pair.tape_y, pair.touch.tape_z),
+        arm: pair.tape_y,
+        springs: WheelSprings {
+            horizontal: 6e8,
+            normal: StiffnessLaw::published().into(),
+            longitudinal: 6e8,
+        },
+    };
+    let layer = |stiffness: f64, damping: f64| Kelvin { stiffness, damping };
+    let rail = in_plane.track.unwrap();
+    let at = |x: f64| {
+        let below = Some((150.0, layer(2e7, 3e4)));
+        let lateral = Across::Lateral;
+        [
+            LayersAcross { x, direction: lateral, below_line: 0.05, upper: layer(5e7, 2e4), below },
+            LayersAcross {
+                x,
+                direction: Across::Twist,
+                below_line: 0.0,
+                upper: layer(2e5, 60.0),
+                below: None,
+            },
+        ]
+    };
+    let layers = rail.layers.iter().flat_map(|layers| at(layers.x)).collect();
+    AcrossCase {
+        rails: Some(TwoRails {
+            rail,
+            angle: pair.placed.angle,
+            bed: None,
+            bed_below_line: 0.0,
+            twist_bed: None,
+            held: Vec::new(),
+            layers,
+        }),
+        wheelset: SwayingWheelset {
+            mass: 1800.0,
+            inertia: 1000.0,
+            above: 10_000.0,
+            above_inertia: 5000.0,
+            height: 1.0,
+            vertical: layer(1.2e6, 4e4),
+            lateral: layer(3e6, 3e4),
+            half_base: 1.0,
+        },
+        contact: WheelsetContact {
+            sides: [side(), side()],
+            friction: 0.3,
+            penalty: MovingModel::DEFAULT_PENALTY,
+            node_spacing: MovingModel::DEFAULT_NODE_SPACING,
+        },
+        uneven: [UnevenRail::default(), UnevenRail::default()],
+        steps: in_plane.steps,
+        time_step: in_plane.time_step,
+        inner_steps: 1,
+        gravity: GRAVITY,
+        lateral_force: TimeFunction::constant(3e3),
+        vertical_force: TimeFunction::default(),
+        roll: TimeFunction::default(),
+        torsion: Vec::new(),
+        ground: [TimeFunction::default(), TimeFunction::default()],
+        way: in_plane.way,
+        start: StartAcross::Equilibrium,
+        probes: Vec::new(),
+    }
+}
+
+fn across(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("step of a wheelset across the track");
+    group.sample_size(10);
+    for elements in [100, 1000, 2000] {
+        let case = across_sleepers(elements);
+        group.throughput(Throughput::Elements(case.steps as u64));
+        group.bench_function(format!("{elements} elements a rail"), |bencher| {
+            bencher.iter(|| case.run(&Silent).unwrap().rows.len());
+        });
+    }
+}
+
+criterion_group!(benches, moving, batch, track, across);
 criterion_main!(benches);

@@ -24,17 +24,28 @@ mod structure;
 mod state;
 mod dynamics;
 mod steps;
+mod plane;
+mod rails;
 mod running;
 mod case;
 mod run;
+mod swaying;
+mod across;
+mod across_run;
 
+pub use across::{
+    AcrossCase, AcrossEnding, AcrossRow, AcrossRun, AcrossWork, ProbeAcross, RailTorsion, StartAcross,
+    UnevenRail, WheelAcross,
+};
 pub use case::{Probe, Start, TrackCase, Wheels};
 pub use dynamics::{TrackDynamics, TrackLoad};
 pub use irregularity::{Irregularity, Spectrum, Unevenness};
+pub use rails::{Across, LayersAcross, RailSeen, TwoRails};
 pub use run::{ProbeRow, TrackEnding, TrackRow, TrackRun, WheelRow};
 pub use running::{Running, SprungWheel, Wheelset};
 pub use state::TrackState;
 pub use structure::{Bridge, Carrier, Direction, Held, Layers, LineBeam, Onto, Track};
+pub use swaying::{SuspensionForce, SwayingWheelset};
 pub use time_function::TimeFunction;
 pub use way::Way;
 

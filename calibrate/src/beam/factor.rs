@@ -16,6 +16,59 @@ pub(super) type Block = SMatrix<f64, NODE, NODE>;
 /// An element's matrix by its nodes, each with `N` degrees of freedom: first with first, first with second, second with second.
 pub type ElementBlocks<const N: usize = NODE> = [SMatrix<f64, N, N>; 3];
 
+/// What stands at a degree of freedom: a number, or those of two chains alike that are solved side by side.
+pub trait Entry: Copy {
+    /// Nothing.
+    const ZERO: Self;
+
+    /// Adds `factor` times a value.
+    fn add(&mut self, factor: f64, value: &Self);
+
+    /// Takes a value away.
+    fn subtract(&mut self, value: &Self);
+
+    /// Makes zero of what is too small to count.
+    fn flush(&mut self);
+}
+
+impl Entry for f64 {
+    const ZERO: Self = 0.0;
+
+    #[inline]
+    fn add(&mut self, factor: f64, value: &Self) {
+        *self += value * factor;
+    }
+
+    #[inline]
+    fn subtract(&mut self, value: &Self) {
+        *self -= value;
+    }
+
+    #[inline]
+    fn flush(&mut self) {
+        *self = if self.abs() < NOTHING { 0.0 } else { *self };
+    }
+}
+
+impl Entry for [f64; 2] {
+    const ZERO: Self = [0.0; 2];
+
+    #[inline]
+    fn add(&mut self, factor: f64, value: &Self) {
+        (0..2).for_each(|side| self[side].add(factor, &value[side]));
+    }
+
+    #[inline]
+    fn subtract(&mut self, value: &Self) {
+        (0..2).for_each(|side| self[side].subtract(&value[side]));
+    }
+
+    #[inline]
+    fn flush(&mut self) {
+        self.iter_mut().for_each(Entry::flush);
+    }
+}
+
 /// A factored chain.
 #[derive(Debug, Clone)]
 pub struct ChainFactor<const N: usize = NODE> {
@@ -123,7 +176,7 @@ impl<const N: usize> ChainFactor<N> {
     }
 
     /// Eliminates a right-hand side, one entry a node, towards the first node of the element.
-    pub fn forward(&self, meeting: &Meeting<N>, nodes: &mut [[f64; N]]) {
+    pub fn forward<V: Entry>(&self, meeting: &Meeting<N>, nodes: &mut [[V; N]]) {
         let (left, right) = nodes.split_at_mut(meeting.element + 1);
         self.sweeps[0].forward(left.iter_mut());
         self.sweeps[1].forward(right.iter_mut().rev());
@@ -132,7 +185,7 @@ impl<const N: usize> ChainFactor<N> {
     }
 
     /// Substitutes back what [`Self::forward`] has eliminated.
-    pub fn backward(&self, meeting: &Meeting<N>, nodes: &mut [[f64; N]]) {
+    pub fn backward<V: Entry>(&self, meeting: &Meeting<N>, nodes: &mut [[V; N]]) {
         let first = meeting.element;
         let (left, right) = nodes.split_at_mut(first + 1);
         [left[first], right[0]] = meeting.solution(&left[first], &right[0]);
@@ -182,8 +235,8 @@ impl<const N: usize> Sweep<N> {
         if node < stored { node } else { stored - self.period + (node - stored) % self.period }
     }
 
-    fn forward<'a>(&self, nodes: impl Iterator<Item = &'a mut [f64; N]>) {
-        let mut before = [0.0; N];
+    fn forward<'a, V: Entry + 'a>(&self, nodes: impl Iterator<Item = &'a mut [V; N]>) {
+        let mut before = [V::ZERO; N];
         let mut at = 0;
         for node in nodes {
             subtract(node, &product(&self.links[at].carried, &before));
@@ -197,7 +250,7 @@ impl<const N: usize> Sweep<N> {
     }
 
     /// From the node `start`, which has its value, back to the end.
-    fn backward<'a>(&self, start: usize, mut nodes: impl Iterator<Item = &'a mut [f64; N]>) {
+    fn backward<'a, V: Entry + 'a>(&self, start: usize, mut nodes: impl Iterator<Item = &'a mut [V; N]>) {
         let Some(mut after) = nodes.next().copied() else { return };
         let (stored, first_of_turn) = (self.links.len(), self.links.len() - self.period);
         let mut at = self.stored(start);
@@ -220,19 +273,19 @@ impl<const N: usize> Meeting<N> {
     }
 
     /// What a right-hand side at both nodes is when the second is eliminated into the first.
-    pub fn eliminated(&self, [first, second]: &[[f64; N]; 2]) -> [[f64; N]; 2] {
+    pub fn eliminated<V: Entry>(&self, [first, second]: &[[V; N]; 2]) -> [[V; N]; 2] {
         let mut first = *first;
         subtract(&mut first, &product(&self.carried, second));
         [first, *second]
     }
 
     /// Forces at the nodes, as [`Self::eliminated`], over the matrix: times the rows of a displacement, eliminated as well, it is that under the forces.
-    pub fn over(&self, forces: &[[f64; N]; 2]) -> [[f64; N]; 2] {
+    pub fn over<V: Entry>(&self, forces: &[[V; N]; 2]) -> [[V; N]; 2] {
         [0, 1].map(|node| product(&self.inverses[node], &forces[node]))
     }
 
     /// The values of both nodes, from right-hand sides as [`Self::eliminated`].
-    fn solution(&self, first: &[f64; N], second: &[f64; N]) -> [[f64; N]; 2] {
+    fn solution<V: Entry>(&self, first: &[V; N], second: &[V; N]) -> [[V; N]; 2] {
         let first = product(&self.inverses[0], first);
         let mut second = product(&self.inverses[1], second);
         subtract(&mut second, &product(&self.carried_back, &first));
@@ -240,28 +293,29 @@ impl<const N: usize> Meeting<N> {
     }
 }
 
+/// A matrix times the entries of a node.
 #[inline]
-pub(super) fn product<const N: usize>(matrix: &SMatrix<f64, N, N>, vector: &[f64; N]) -> [f64; N] {
-    let mut sum = [0.0; N];
-    for (column, factor) in matrix.data.0.iter().zip(vector) {
-        for (sum, value) in sum.iter_mut().zip(column) {
-            *sum += value * factor;
+pub fn product<V: Entry, const N: usize>(matrix: &SMatrix<f64, N, N>, vector: &[V; N]) -> [V; N] {
+    let mut sum = [V::ZERO; N];
+    for (column, value) in matrix.data.0.iter().zip(vector) {
+        for (sum, factor) in sum.iter_mut().zip(column) {
+            sum.add(*factor, value);
         }
     }
     sum
 }
 
 #[inline]
-fn subtract<const N: usize>(from: &mut [f64; N], value: &[f64; N]) {
-    from.iter_mut().zip(value).for_each(|(from, value)| *from -= value);
+fn subtract<V: Entry, const N: usize>(from: &mut [V; N], value: &[V; N]) {
+    from.iter_mut().zip(value).for_each(|(from, value)| from.subtract(value));
 }
 
 /// What is smaller is zero: motion fades along the beam, and numbers of less than the usual number of digits take a hundred times as long.
 const NOTHING: f64 = 1e-200;
 
 #[inline]
-fn flush<const N: usize>(node: &mut [f64; N]) {
-    node.iter_mut().for_each(|value| *value = if value.abs() < NOTHING { 0.0 } else { *value });
+fn flush<V: Entry, const N: usize>(node: &mut [V; N]) {
+    node.iter_mut().for_each(Entry::flush);
 }
 
 /// Inverse of a symmetric matrix in the coordinates that are not held, zero in the others, by Gauss-Jordan elimination; none if the matrix is

@@ -28,14 +28,20 @@ mod model;
 mod departure;
 mod run;
 mod statics;
+mod wheelset;
 
 pub(crate) use departure::at_end;
+pub(crate) use interface::Interface;
 pub use model::{HubStatics, InitialMotion, MovingModel, MovingRun, RunStatistics, SectionMotion};
 pub use support::RailSupport;
 pub(crate) use support::{Rail, RailDynamics, RailState};
 pub use surface::SlidingMatrix;
 pub(crate) use travel::Travel;
 pub use wheel::WheelSprings;
+pub(crate) use wheelset::{AxleContacts, AxleStep, Friction};
+pub use wheelset::{Derailment, WheelContact, WheelsetContact, WheelsetSide};
 
 #[cfg(test)]
 pub(crate) use run::tests as run_tests;
+#[cfg(test)]
+pub(crate) use support::RailLoad;

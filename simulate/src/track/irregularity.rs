@@ -107,6 +107,20 @@ impl Irregularity {
         Self::Samples(samples.iter().zip(second).map(|(&(x, height), second)| [x, height, second]).collect())
     }
 
+    /// The same with the opposite heights.
+    #[must_use]
+    pub fn negated(mut self) -> Self {
+        match &mut self {
+            Self::Corners(table) => table.iter_mut().for_each(|(_, height)| *height = -*height),
+            Self::Samples(samples) => samples.iter_mut().for_each(|[_, height, bent]| {
+                (*height, *bent) = (-*height, -*bent);
+            }),
+            Self::Waves(waves) => waves.iter_mut().for_each(|[_, amplitude, _]| *amplitude = -*amplitude),
+            Self::Dip { depth, .. } | Self::Flat { depth, .. } => *depth = -*depth,
+        }
+        self
+    }
+
     /// The height (m) at `x` (m).
     pub fn height(&self, x: f64) -> f64 {
         match self {

@@ -1,9 +1,11 @@
 //! Load cases on a track against closed solutions.
 
+mod across;
 mod bridge;
 mod crossing;
 mod functions;
 mod ground;
+mod rails;
 mod statics;
 mod vertical;
 mod wheelset;

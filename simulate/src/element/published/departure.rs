@@ -3,11 +3,10 @@
 use nalgebra::{Point2, Rotation2, Vector2};
 
 use crate::time::history::{Ending, SurfaceEnd};
-use railspring_profiles::placement::Departure;
-use railspring_profiles::placement::{departure, lateral_extent};
+use railspring_profiles::placement::{Departure, PlacedRail, departure, lateral_extent};
+use railspring_profiles::profile::ProfileCurve;
 
 use super::element::to_plane;
-use super::model::MovingModel;
 use super::solve::Solution;
 
 /// What load on the end of a profile means at `time` (s) with the wheel moved `aside` against the rail (m, to the field side). It is
@@ -50,14 +49,20 @@ pub(super) struct Outline {
 }
 
 impl Outline {
-    /// `master` is the world point of the rail's master at rest, `nodes` are the rail nodes in the rail's profile frame, m.
-    pub fn new(model: &MovingModel, master: Point2<f64>, nodes: &[(f64, Point2<f64>)]) -> Self {
-        let to_axle = Vector2::new(0.0, model.wheel_radius);
+    /// A wheel with its radius and the place of its profile's origin where it just touches; `master` is the world point of the rail's master at rest, `nodes`
+    /// are the rail nodes in the rail's profile frame, m.
+    pub fn new(
+        rail: &PlacedRail,
+        (wheel, radius, tape): (&ProfileCurve, f64, Point2<f64>),
+        master: Point2<f64>,
+        nodes: &[(f64, Point2<f64>)],
+    ) -> Self {
+        let to_axle = Vector2::new(0.0, radius);
         Self {
-            wheel: model.wheel.knot_points().map(|p| to_plane(p.coords + to_axle)).collect(),
-            rail: model.rail.curve.knot_points().map(|p| to_plane(p - master)).collect(),
-            centre: to_plane(model.tape - to_axle - master),
-            wheel_length: model.wheel.length(),
+            wheel: wheel.knot_points().map(|p| to_plane(p.coords + to_axle)).collect(),
+            rail: rail.curve.knot_points().map(|p| to_plane(p - master)).collect(),
+            centre: to_plane(tape - to_axle - master),
+            wheel_length: wheel.length(),
             ends: [nodes[0].1, nodes[nodes.len() - 1].1],
             last: nodes.len() - 1,
         }

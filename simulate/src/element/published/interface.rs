@@ -13,7 +13,7 @@ const HELD: f64 = 1e9;
 
 /// Interface of a part in directions 1, 2 and rotation 3 over one step.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Interface {
+pub(crate) struct Interface {
     /// Displacement without forces; where a held coordinate stays.
     free: Vector3<f64>,
     /// Force per displacement from there; zeros in the rows and columns of held coordinates.
@@ -33,6 +33,15 @@ impl Interface {
     /// [`NumericsError`] if the flexibility is not positive definite in the coordinates that are not held.
     pub fn of(step: &impl LinearStep, name: &str) -> Result<Self> {
         let flexibility = step.flexibility();
+        let flexibility = Matrix3::from_fn(|i, j| flexibility[(i, j)]);
+        Self::of_flexibility(Vector3::from_column_slice(step.free()), &flexibility, name)
+    }
+
+    /// The interface of a part that moves by `flexibility` times the forces on it from where it is `free`.
+    ///
+    /// # Errors
+    /// As [`Self::of`].
+    pub fn of_flexibility(free: Vector3<f64>, flexibility: &Matrix3<f64>, name: &str) -> Result<Self> {
         let held = [0, 1, 2].map(|i| flexibility[(i, i)] <= RIGID);
         // metres and radians are made comparable; a held coordinate is cut off from the others
         let scale = Vector3::from_fn(|i, _| if held[i] { 0.0 } else { 1.0 / flexibility[(i, i)].sqrt() });
@@ -43,7 +52,12 @@ impl Interface {
         })?;
         let inverse = factor.inverse();
         let stiffness = Matrix3::from_fn(|i, j| scale[i] * inverse[(i, j)] * scale[j]);
-        Ok(Self { free: Vector3::from_column_slice(step.free()), stiffness, held })
+        Ok(Self { free, stiffness, held })
+    }
+
+    /// The interface of a part that resists its displacement from `free` with a `stiffness`, which may be zero.
+    pub fn of_stiffness(free: Vector3<f64>, stiffness: Matrix3<f64>) -> Self {
+        Self { free, stiffness, held: [false; 3] }
     }
 
     /// Largest stiffness against a displacement, N/m; zero where both are held.

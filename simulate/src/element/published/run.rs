@@ -2,7 +2,7 @@
 
 use std::cell::Cell;
 
-use nalgebra::{Matrix3, Point2, Vector2, Vector3};
+use nalgebra::{Matrix3, Point2, SVector, Vector2, Vector3};
 
 use crate::time::energy::{EnergyBalance, EnergyLedger, PartEnergy};
 use crate::time::history::{ContactMode, ContactState, Ending, History, HistoryRow};
@@ -12,12 +12,14 @@ use crate::time::scenario::Scenario;
 use railspring_calibrate::beam::RailBeam;
 use railspring_profiles::error::{Error, Result, StopReason};
 use railspring_profiles::monitor::Monitor;
+use railspring_profiles::placement::PlacedRail;
+use railspring_profiles::profile::ProfileCurve;
 
 use super::departure::Outline;
 use super::element::to_plane;
 use super::interface::Interface;
 use super::model::{MovingModel, MovingRun, RunStatistics, SectionMotion};
-use super::solve::{Solution, StepSystem, Surroundings};
+use super::solve::{Mount, Solution, StepSystem, Surroundings};
 use super::support::{RailDynamics, RailState};
 use super::surface::{ActiveNode, ContactLaw, ContactSurface, Pose, SlidingMatrix};
 use super::travel::Travel;
@@ -135,13 +137,9 @@ impl MovingModel {
 
 impl<'a> Run<'a> {
     pub(super) fn new(model: &'a MovingModel, scenario: &'a Scenario) -> Result<Self> {
-        let length = model.rail.curve.length();
-        let intervals = (length / model.node_spacing).ceil().max(1.0);
-        let nodes: Vec<_> = (0..=intervals as usize)
-            .map(|i| length * i as f64 / intervals)
-            .map(|s| (s, model.rail.to_profile(&model.rail.curve.point(s))))
-            .collect();
-        let outline = Outline::new(model, model.support.reference(&model.rail), &nodes);
+        let nodes = rail_nodes(&model.rail, model.node_spacing);
+        let MovingModel { rail, wheel, wheel_radius, tape, support, .. } = model;
+        let outline = Outline::new(rail, (wheel, *wheel_radius, *tape), support.reference(rail), &nodes);
         Ok(Self {
             model,
             scenario,
@@ -167,12 +165,9 @@ impl<'a> Run<'a> {
     }
 
     pub(super) fn surface(&self) -> ContactSurface<'a> {
-        let master = self.model.support.reference(&self.model.rail);
-        let centre = self.model.tape - Vector2::new(0.0, self.model.wheel_radius);
-        let points: Vec<Vector2<f64>> =
-            self.nodes.iter().map(|&(s, _)| to_plane(self.model.rail.curve.point(s) - master)).collect();
-        let wheel_centre = to_plane(centre - master);
-        ContactSurface::new(&points, &self.model.wheel, self.model.wheel_radius, wheel_centre)
+        let MovingModel { rail, wheel, wheel_radius, tape, support, .. } = self.model;
+        let master = support.reference(rail);
+        surface_of(rail, &self.nodes, master, (wheel, *wheel_radius, *tape))
     }
 
     /// State at t = 0: wheel centre and rail where the initial motion puts them, the contact master in balance between them.
@@ -190,19 +185,21 @@ impl<'a> Run<'a> {
         pose.fixed_rows_mut::<2>(0).copy_from(&u);
         surface.list(&pose, u.norm());
         let system = StepSystem {
-            springs: &self.model.springs,
+            springs: [&self.model.springs],
             law: &self.law,
             surroundings: Surroundings {
-                rail: Interface::held(Vector3::zeros()),
-                wheel: Interface::held(Vector3::new(u.x, u.y, 0.0)),
+                rails: [Interface::held(Vector3::zeros())],
+                body: Interface::held(Vector3::new(u.x, u.y, 0.0)),
             },
+            mounts: [Mount::OWN],
             load: self.load(0.0),
-            start: (pose, u),
-            start_force: 0.0,
-            start_limits: vec![0.0; self.nodes.len()],
+            start: unknowns(&pose, &u),
+            start_force: [0.0],
+            start_limits: [vec![0.0; self.nodes.len()]],
             evaluations_left: &self.evaluations_left,
         };
-        let solution = system.solve(surface).map_err(|error| error.at_step(0))?;
+        let solved = system.solve(std::array::from_mut(surface)).map_err(|error| error.at_step(0))?;
+        let [solution] = solved.wheels;
         surface.commit(&solution.pose, &solution.active);
         self.dynamics.start(&mut wheel, solution.on_wheel());
         let rail =
@@ -300,23 +297,25 @@ impl<'a> Run<'a> {
                 + step * state.wheel.centre[0].a.hypot(state.wheel.centre[1].a));
         surface.list(&state.pose, predicted);
         let system = StepSystem {
-            springs: &self.model.springs,
+            springs: [&self.model.springs],
             law: &self.law,
             surroundings: Surroundings {
-                rail: match &rail_step {
+                rails: [match &rail_step {
                     Some(rail) => Interface::of(rail, "rail")?,
                     None => Interface::held(state.pose.fixed_rows::<3>(2).into_owned()),
-                },
-                wheel: Interface::of(&wheel_step, "wheel")?,
+                }],
+                body: Interface::of(&wheel_step, "wheel")?,
             },
+            mounts: [Mount::OWN],
             load: self.load(time),
-            start: (state.pose, start),
-            start_force: state.spring_force,
-            start_limits: state.limits.clone(),
+            start: unknowns(&state.pose, &start),
+            start_force: [state.spring_force],
+            start_limits: [state.limits.clone()],
             evaluations_left: &self.evaluations_left,
         };
-        let solution = system.solve(surface)?;
-        let [on_rail, on_wheel] = system.surroundings.forces(&solution);
+        let solved = system.solve(std::array::from_mut(surface))?;
+        let ([on_rail], on_wheel) = system.surroundings.forces(&solved.x);
+        let [solution] = solved.wheels;
         wheel_step.finish(on_wheel.as_slice());
         if let Some(rail_step) = rail_step {
             rail_step.finish(on_rail.as_slice());
@@ -393,32 +392,67 @@ impl<'a> Run<'a> {
             wheel_z: centre.y - start[1],
             load_y: self.scenario.load_travel(time, centre.x - start[0]),
             energy: Some(energy),
-            contacts: self.contacts(&solution.active),
+            contacts: contacts_of(&self.nodes, &self.model.wheel, &solution.active),
         }
     }
+}
 
-    /// Touching nodes gathered to contacts, from the gauge side to the field side.
-    fn contacts(&self, active: &[ActiveNode]) -> Vec<ContactState> {
-        let apart = |a: &ActiveNode, b: &ActiveNode| self.nodes[b.node].0 - self.nodes[a.node].0 > PATCH_GAP;
-        active.chunk_by(|a, b| !apart(a, b)).map(|patch| self.contact(patch)).collect()
-    }
+/// Arc length and rest position in the rail's profile frame of rail nodes `spacing` (m) apart or less.
+pub(super) fn rail_nodes(rail: &PlacedRail, spacing: f64) -> Vec<(f64, Point2<f64>)> {
+    let length = rail.curve.length();
+    let intervals = (length / spacing).ceil().max(1.0);
+    (0..=intervals as usize)
+        .map(|i| length * i as f64 / intervals)
+        .map(|s| (s, rail.to_profile(&rail.curve.point(s))))
+        .collect()
+}
 
-    fn contact(&self, patch: &[ActiveNode]) -> ContactState {
-        let normal_force: f64 = patch.iter().map(|a| a.normal_force).sum();
-        let mean = |point: &dyn Fn(&ActiveNode) -> Point2<f64>| {
-            let sum: Vector2<f64> = patch.iter().map(|a| point(a).coords * a.normal_force).sum();
-            Point2::from(sum / normal_force)
-        };
-        let sticks = patch.iter().any(|a| a.mode == ContactMode::Stick);
-        ContactState {
-            mode: if sticks { ContactMode::Stick } else { ContactMode::Slip },
-            rail: mean(&|a| self.nodes[a.node].1),
-            wheel: mean(&|a| self.model.wheel.point(a.place)),
-            normal_force,
-            // The internal force resists the rail node; the wheel pushes the rail the other way.
-            tangential_force: -patch.iter().map(|a| a.tangential_force).sum::<f64>(),
-        }
+/// The surface of a rail with a `master` (m) and `nodes`, and of a wheel with its radius (m) and the place of its profile's origin at rest (m).
+pub(super) fn surface_of<'a>(
+    rail: &PlacedRail,
+    nodes: &[(f64, Point2<f64>)],
+    master: Point2<f64>,
+    (wheel, radius, tape): (&'a ProfileCurve, f64, Point2<f64>),
+) -> ContactSurface<'a> {
+    let centre = tape - Vector2::new(0.0, radius);
+    let points: Vec<Vector2<f64>> =
+        nodes.iter().map(|&(s, _)| to_plane(rail.curve.point(s) - master)).collect();
+    ContactSurface::new(&points, wheel, radius, to_plane(centre - master))
+}
+
+/// Touching nodes gathered to contacts, from the gauge side to the field side.
+pub(super) fn contacts_of(
+    nodes: &[(f64, Point2<f64>)],
+    wheel: &ProfileCurve,
+    active: &[ActiveNode],
+) -> Vec<ContactState> {
+    let apart = |a: &ActiveNode, b: &ActiveNode| nodes[b.node].0 - nodes[a.node].0 > PATCH_GAP;
+    active.chunk_by(|a, b| !apart(a, b)).map(|patch| contact(nodes, wheel, patch)).collect()
+}
+
+fn contact(nodes: &[(f64, Point2<f64>)], wheel: &ProfileCurve, patch: &[ActiveNode]) -> ContactState {
+    let normal_force: f64 = patch.iter().map(|a| a.normal_force).sum();
+    let mean = |point: &dyn Fn(&ActiveNode) -> Point2<f64>| {
+        let sum: Vector2<f64> = patch.iter().map(|a| point(a).coords * a.normal_force).sum();
+        Point2::from(sum / normal_force)
+    };
+    let sticks = patch.iter().any(|a| a.mode == ContactMode::Stick);
+    ContactState {
+        mode: if sticks { ContactMode::Stick } else { ContactMode::Slip },
+        rail: mean(&|a| nodes[a.node].1),
+        wheel: mean(&|a| wheel.point(a.place)),
+        normal_force,
+        // The internal force resists the rail node; the wheel pushes the rail the other way.
+        tangential_force: -patch.iter().map(|a| a.tangential_force).sum::<f64>(),
     }
+}
+
+/// Pose of the masters and displacement of the wheel centre as unknowns of a step.
+pub(super) fn unknowns(pose: &Pose, centre: &Vector2<f64>) -> SVector<f64, 8> {
+    let mut x = SVector::<f64, 8>::zeros();
+    x.fixed_rows_mut::<6>(0).copy_from(pose);
+    x.fixed_rows_mut::<2>(6).copy_from(centre);
+    x
 }
 
 fn section_motion(solution: &Solution) -> SectionMotion {

@@ -8,8 +8,8 @@ use railspring_profiles::error::{NumericsError, Result, StopReason};
 use super::element::to_plane;
 use super::interface::Interface;
 use super::model::{HubStatics, MovingModel};
-use super::run::{EVALUATIONS_A_STEP, Run};
-use super::solve::{Solution, StepSystem, Surroundings};
+use super::run::{EVALUATIONS_A_STEP, Run, unknowns};
+use super::solve::{Mount, Solution, StepSystem, Surroundings};
 use super::surface::{ContactSurface, Pose};
 
 /// What a force may miss, relative.
@@ -90,19 +90,21 @@ impl Run<'_> {
         let direction = centre / way;
         surface.list(&from.pose, 2.0 * (way - from.way));
         let system = StepSystem {
-            springs: &self.model.springs,
+            springs: [&self.model.springs],
             law: &self.law,
             surroundings: Surroundings {
-                rail: Interface::held(Vector3::zeros()),
-                wheel: Interface::held(Vector3::new(centre.x, centre.y, 0.0)),
+                rails: [Interface::held(Vector3::zeros())],
+                body: Interface::held(Vector3::new(centre.x, centre.y, 0.0)),
             },
+            mounts: [Mount::OWN],
             load: 0.0,
-            start: (from.pose, direction * from.way),
-            start_force: from.spring_force,
-            start_limits: from.limits.clone(),
+            start: unknowns(&from.pose, &(direction * from.way)),
+            start_force: [from.spring_force],
+            start_limits: [from.limits.clone()],
             evaluations_left: &self.evaluations_left,
         };
-        system.solve(surface)
+        let [solution] = system.solve(std::array::from_mut(surface))?.wheels;
+        Ok(solution)
     }
 }
 
