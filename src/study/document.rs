@@ -406,7 +406,7 @@ pub struct SimulationKeys {
     /// In which respects the law may be another's and is used all the same; the terminal and the report say so. Without this, a law of another pair is refused, and one that was not measured against the beam model of the rail.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub law_accepted: Vec<LawAcceptedKey>,
-    /// The scenario whose histories are `history.csv` and `solid_history.csv`; left out, the first that the solid model can run.
+    /// The scenario whose histories are `history.csv` and `solid_history.csv`; left out, the first by name that the solid model can run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scenario: Option<String>,
 }

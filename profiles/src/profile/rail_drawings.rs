@@ -19,7 +19,7 @@ pub struct StandardRail {
     row: Row,
 }
 
-/// The standard rails, the heaviest first. Sources and checks: `data/profiles/README.md`.
+/// The standard rails. Sources and checks: `data/profiles/README.md`.
 pub static STANDARD_RAILS: LazyLock<Vec<StandardRail>> = LazyLock::new(|| table(TABLE));
 
 /// Their names.

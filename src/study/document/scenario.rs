@@ -4,7 +4,7 @@ use railspring_profiles::field::InputField;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A load case on one wheel.
+/// A load case on one wheel. It begins without load, where the wheel just touches the rail. A force on the suspended mass arrives as its spring is compressed; a lateral force acts at once.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ScenarioKeys {
