@@ -9,14 +9,18 @@ pub mod document;
 mod tables;
 mod beams;
 mod excitation;
-mod resolve;
+mod lateral;
 mod columns;
+mod lateral_columns;
+mod outcome;
+mod resolve;
 mod record;
 mod page;
 mod make;
 
-pub use columns::columns_of;
+pub use columns::TrackColumn;
 pub use make::{Made, made};
+pub use outcome::{DerailmentRecord, LoadCase};
 pub use record::{Extreme, Figures, TrackRecord, Verification};
 pub use resolve::{TrackStudy, is_track};
 

@@ -97,9 +97,9 @@ fn documents(effort: Effort) {
     std::fs::create_dir(at("measured")).unwrap();
     std::fs::copy(folder("profiles").join("wheel.whl"), at("measured/worn.whl")).unwrap();
     let read = |name: &str| std::fs::read_to_string(corpus.join(name)).unwrap();
-    let texts = ["study.toml", "track.toml", "table.toml"].map(|name| (name, read(name)));
+    let texts = ["study.toml", "track.toml", "lateral.toml", "table.toml"].map(|name| (name, read(name)));
     let parsed = |name: &str, text: &str| match name {
-        "track.toml" => Fate::of(TrackStudy::parse(&at(name), text, &[])),
+        "track.toml" | "lateral.toml" => Fate::of(TrackStudy::parse(&at(name), text, &[])),
         "table.toml" => Fate::of(Table::parse(&at(name), text)),
         _ => Fate::of(Study::parse(&at(name), text)),
     };

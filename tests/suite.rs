@@ -54,6 +54,7 @@ mod streams;
 mod table;
 mod tables;
 mod track;
+mod track_lateral;
 mod transfer;
 mod uncertain_load_cases;
 mod user_meshes;

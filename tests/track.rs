@@ -11,24 +11,24 @@ use tempfile::TempDir;
 const DISCRETISATION: f64 = 1e-3;
 
 /// A folder with studies and their tables.
-struct Place(TempDir);
+pub struct Place(TempDir);
 
 /// What a command has left.
-struct Ran {
-    code: i32,
-    said: String,
+pub struct Ran {
+    pub code: i32,
+    pub said: String,
 }
 
 impl Place {
-    fn new() -> Self {
+    pub fn new() -> Self {
         Self(tempfile::tempdir().unwrap())
     }
 
-    fn write(&self, name: &str, text: &str) {
+    pub fn write(&self, name: &str, text: &str) {
         std::fs::write(self.0.path().join(name), text).unwrap();
     }
 
-    fn command(&self, arguments: &[&str]) -> Ran {
+    pub fn command(&self, arguments: &[&str]) -> Ran {
         let mut command = Command::cargo_bin("railspring").unwrap();
         command.current_dir(self.0.path()).args(arguments);
         let output = command.output().unwrap();
@@ -36,30 +36,30 @@ impl Place {
         Ran { code: output.status.code().unwrap(), said: text(&output.stdout) + &text(&output.stderr) }
     }
 
-    fn run(&self, study: &str) -> Ran {
+    pub fn run(&self, study: &str) -> Ran {
         self.write("study.toml", study);
         self.command(&["run", "study.toml", "-o", "out", "-q"])
     }
 
-    fn file(&self, name: &str) -> String {
+    pub fn file(&self, name: &str) -> String {
         std::fs::read_to_string(self.0.path().join("out").join(name)).unwrap()
     }
 
     /// A column of the history.
-    fn column(&self, name: &str) -> Vec<f64> {
+    pub fn column(&self, name: &str) -> Vec<f64> {
         let text = self.file("history.csv");
         let mut reader = csv_of(&text);
         let column = reader.remove(name);
         column.unwrap_or_else(|| panic!("{name} is none of {:?}", reader.keys()))
     }
 
-    fn largest(&self, name: &str) -> f64 {
+    pub fn largest(&self, name: &str) -> f64 {
         self.column(name).into_iter().fold(f64::NEG_INFINITY, f64::max)
     }
 }
 
 /// The columns of a CSV file; an empty cell is no number.
-fn csv_of(text: &str) -> BTreeMap<String, Vec<f64>> {
+pub fn csv_of(text: &str) -> BTreeMap<String, Vec<f64>> {
     let mut lines = text.lines();
     let names: Vec<&str> = lines.next().unwrap().split(',').collect();
     let mut columns = vec![Vec::new(); names.len()];
@@ -71,7 +71,7 @@ fn csv_of(text: &str) -> BTreeMap<String, Vec<f64>> {
     names.into_iter().map(String::from).zip(columns).collect()
 }
 
-fn near(found: f64, expected: f64, within: f64, what: &str) {
+pub fn near(found: f64, expected: f64, within: f64, what: &str) {
     assert!((found / expected - 1.0).abs() < within, "{what}: {found} for {expected}");
 }
 
@@ -485,8 +485,11 @@ fn the_documents_have_every_key() {
             _ => {}
         }
     }
-    let page =
-        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/load-cases.md")).unwrap();
+    let read = |name: &str| {
+        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs").join(name)).unwrap()
+    };
+    // the first example is the one in the vertical plane
+    let page = read("load-cases.md") + &read("lateral-load-cases.md");
     let schema =
         serde_json::to_value(schemars::schema_for!(railspring::track::document::TrackDocument)).unwrap();
     let mut found = Vec::new();

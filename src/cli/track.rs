@@ -65,7 +65,9 @@ pub(super) fn run(
     }
     let record = &made.record;
     let shown = record.figures.iter().filter(|figure| {
-        ["p_kn", "_deflection_mm", "_moment_kn_m"].iter().any(|end| figure.column.ends_with(end))
+        ["p_kn", "q_kn", "q_over_p", "flange_tip_mm", "_deflection_mm", "_moment_kn_m"]
+            .iter()
+            .any(|end| figure.column.ends_with(end))
     });
     let mut said: Vec<String> = shown
         .map(|f| {

@@ -339,8 +339,7 @@ impl Building {
                 None
             }
         };
-        // the last one may miss its place by rounding
-        let count = ((last - keys.first_m) / keys.spacing_m + 1e-9).floor().max(-1.0) + 1.0;
+        let count = number_of_sleepers(keys, self.length);
         if !(count >= 1.0 && count <= MOST_SLEEPERS as f64) {
             self.mistakes.push(InputError::new(
                 "rail.sleepers.spacing_m",
@@ -351,8 +350,7 @@ impl Building {
             return;
         }
         let rounding = 1e-9 * self.length;
-        self.layers.extend((0..count as usize).map(|number| {
-            let x = (keys.first_m + number as f64 * keys.spacing_m).min(self.length);
+        self.layers.extend(sleeper_places(keys, self.length).map(|x| {
             let carried = on_bridge.is_some_and(|[from, to]| (from - rounding..=to + rounding).contains(&x));
             Layers {
                 of: Carrier::Rail,
@@ -364,4 +362,16 @@ impl Building {
             }
         }));
     }
+}
+
+fn number_of_sleepers(keys: &SleeperKeys, length: f64) -> f64 {
+    // the last one may miss its place by rounding
+    ((keys.last_m.unwrap_or(length) - keys.first_m) / keys.spacing_m + 1e-9).floor().max(-1.0) + 1.0
+}
+
+/// Where sleepers lie on a rail of a `length`, m.
+pub(super) fn sleeper_places(keys: &SleeperKeys, length: f64) -> impl Iterator<Item = f64> {
+    let (first, spacing) = (keys.first_m, keys.spacing_m);
+    let count = number_of_sleepers(keys, length) as usize;
+    (0..count).map(move |number| (first + number as f64 * spacing).min(length))
 }

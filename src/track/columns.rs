@@ -5,23 +5,21 @@ use railspring_simulate::track::{TrackCase, TrackRow, TrackRun};
 
 use crate::engine::columns::csv_of_texts;
 
-/// A column: its name with its unit, what it means, and its value in a row.
+/// A column: its name with its unit, what it means, and its values over the rows; a cell without a value is no number.
+#[derive(Debug, Clone, PartialEq)]
 pub struct TrackColumn {
     /// Its name.
     pub name: String,
     /// What it means.
     pub text: String,
-    value: Box<dyn Fn(&TrackRow) -> f64>,
+    /// Its values.
+    pub values: Vec<f64>,
 }
 
 impl TrackColumn {
-    fn new(name: &str, text: &str, value: impl Fn(&TrackRow) -> f64 + 'static) -> Self {
-        Self { name: name.into(), text: text.into(), value: Box::new(value) }
-    }
-
-    /// Its value in a row.
-    pub fn of(&self, row: &TrackRow) -> f64 {
-        (self.value)(row)
+    /// Of the rows of a run.
+    pub(super) fn of<R>(rows: &[R], name: &str, text: &str, value: impl Fn(&R) -> f64) -> Self {
+        Self { name: name.into(), text: text.into(), values: rows.iter().map(value).collect() }
     }
 }
 
@@ -30,16 +28,19 @@ pub(super) fn sides(case: &TrackCase) -> &'static [&'static str] {
     if case.running.wheels() == 2 { &["right_", "left_"] } else { &[""] }
 }
 
-/// The columns of a load case.
-pub fn columns_of(case: &TrackCase) -> Vec<TrackColumn> {
+/// The columns of a run in the vertical plane.
+pub(super) fn columns_of(case: &TrackCase, run: &TrackRun) -> Vec<TrackColumn> {
+    let column = |name: &str, text: &str, value: &dyn Fn(&TrackRow) -> f64| {
+        TrackColumn::of(&run.rows, name, text, value)
+    };
     let mut columns = vec![
-        TrackColumn::new("time_s", "Time, s", |row| row.time),
-        TrackColumn::new("x_m", "Place of the wheel, m from the rail's first end", |row| row.x),
+        column("time_s", "Time, s", &|row| row.time),
+        column("x_m", "Place of the wheel, m from the rail's first end", &|row| row.x),
     ];
     for (wheel, side) in sides(case).iter().enumerate() {
         let mut of = |name: &str, text: &str, value: fn(&railspring_simulate::track::WheelRow) -> f64| {
             let name = format!("{side}{name}");
-            columns.push(TrackColumn::new(&name, text, move |row| value(&row.wheels[wheel])));
+            columns.push(column(&name, text, &|row| value(&row.wheels[wheel])));
         };
         of("p_kn", "Vertical force P of the wheel on the rail, kN, positive down", |w| w.force / KILONEWTON);
         of("approach_mm", "Approach of hub and rail, mm; negative for a gap", |w| w.approach / MILLIMETRE);
@@ -49,20 +50,18 @@ pub fn columns_of(case: &TrackCase) -> Vec<TrackColumn> {
         });
     }
     let suspended = |row: &TrackRow, at: usize| row.above.map_or(f64::NAN, |above| above[at]);
-    columns.push(TrackColumn::new(
-        "suspended_z_mm",
-        "Displacement of the suspended mass, mm, positive down",
-        move |row| suspended(row, 0) / MILLIMETRE,
-    ));
-    columns.push(TrackColumn::new(
+    columns.push(column("suspended_z_mm", "Displacement of the suspended mass, mm, positive down", &|row| {
+        suspended(row, 0) / MILLIMETRE
+    }));
+    columns.push(column(
         "suspended_acceleration_m_per_s2",
         "Acceleration of the suspended mass with that of the ground, m/s², positive down",
-        move |row| suspended(row, 1),
+        &|row| suspended(row, 1),
     ));
     for (index, probe) in case.probes.iter().enumerate() {
         let mut of = |name: &str, text: &str, value: fn(&railspring_simulate::track::ProbeRow) -> f64| {
             let name = format!("{}_{name}", probe.name);
-            columns.push(TrackColumn::new(&name, text, move |row| value(&row.probes[index])));
+            columns.push(column(&name, text, &|row| value(&row.probes[index])));
         };
         of("deflection_mm", "Deflection at the probe against the ground, mm, positive down", |p| {
             p.deflection / MILLIMETRE
@@ -80,9 +79,10 @@ pub fn columns_of(case: &TrackCase) -> Vec<TrackColumn> {
 }
 
 /// The history as CSV; a cell without a value is empty.
-pub(super) fn csv(columns: &[TrackColumn], run: &TrackRun) -> Vec<u8> {
+pub(super) fn csv(columns: &[TrackColumn]) -> Vec<u8> {
     let text = |value: f64| if value.is_finite() { value.to_string() } else { String::new() };
     let heading = columns.iter().map(|column| column.name.clone()).collect::<Vec<_>>();
-    let rows = run.rows.iter().map(|row| columns.iter().map(|column| text(column.of(row))).collect());
+    let count = columns.first().map_or(0, |column| column.values.len());
+    let rows = (0..count).map(|row| columns.iter().map(|column| text(column.values[row])).collect());
     csv_of_texts(std::iter::once(heading).chain(rows))
 }

@@ -2,19 +2,25 @@
 
 mod excitation;
 mod rail;
+mod wheel;
+mod probe;
+mod lateral;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use excitation::{
     ForceKeys, GroundKeys, HarmonicAccelerationKeys, HarmonicForceKeys, HarmonicMomentKeys, Interpolation,
-    IrregularityKey, IrregularityKeys, MomentKeys, SideKey, TableKeys,
+    IrregularityKey, IrregularityKeys, MomentKeys, SideKey, TableKeys, UnevenKey,
 };
+pub use lateral::{LateralFoundationKeys, LateralKeys, LateralSleeperKeys, RailTorsionKeys};
+pub use probe::{OnKey, ProbeKeys, ProbeSideKey};
 pub use rail::{
     BridgeKeys, EndKey, FoundationKeys, RailKeys, SectionKeys, SleeperKeys, SupportKey, SupportKeys,
 };
+pub use wheel::{RunningKey, SuspensionKeys, WheelKeys};
 
-/// A load case on a track in the vertical plane.
+/// A load case on a track, in the vertical plane or, with `[lateral]`, across the track as well.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TrackDocument {
@@ -33,6 +39,9 @@ pub struct TrackDocument {
     pub bridge: Option<BridgeKeys>,
     /// What runs on the rail.
     pub wheel: WheelKeys,
+    /// Profiles and what else a wheelset across the track has; left out, all motion is in the vertical plane.
+    #[serde(default)]
+    pub lateral: Option<LateralKeys>,
     /// The law between wheel and rail.
     #[serde(default)]
     pub contact: ContactKeys,
@@ -53,79 +62,6 @@ pub struct TrackDocument {
 pub enum KindKey {
     /// A load case on a track.
     Track,
-}
-
-/// What runs on the rail.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct WheelKeys {
-    /// `wheel` on one rail; `wheelset` on two, which bounces and rolls; `force`, the vertical force itself without a mass.
-    #[serde(default)]
-    pub kind: RunningKey,
-    /// Whether the mirror image of the load case runs: right and left exchanged in irregularities and probes, the roll moment turned over; of a wheelset.
-    #[serde(default)]
-    pub mirrored: bool,
-    /// Mass of the wheel, or of the wheelset, t.
-    #[serde(default)]
-    #[schemars(range(min = 1e-6, max = 1000.0))]
-    pub mass_t: Option<f64>,
-    /// Moment of inertia of a wheelset about the track, t·m².
-    #[serde(default)]
-    #[schemars(range(min = 1e-6, max = 1e4))]
-    pub roll_inertia_t_m2: Option<f64>,
-    /// Mass on the suspension, t; 0 for none.
-    #[serde(default)]
-    #[schemars(range(min = 0.0, max = 1000.0))]
-    pub suspended_mass_t: f64,
-    /// Moment of inertia of that mass about the track, t·m²; for a wheelset.
-    #[serde(default)]
-    #[schemars(range(min = 1e-6, max = 1e5))]
-    pub suspended_roll_inertia_t_m2: Option<f64>,
-    /// Spring and damper under the mass; of a wheelset on each side.
-    #[serde(default)]
-    pub suspension: Option<SuspensionKeys>,
-    /// Distance between the contacts of a wheelset, m.
-    #[serde(default = "contact_distance")]
-    #[schemars(range(min = 0.3, max = 3.0))]
-    pub contact_distance_m: f64,
-    /// Distance between the suspensions of a wheelset, m.
-    #[serde(default = "suspension_distance")]
-    #[schemars(range(min = 0.1, max = 5.0))]
-    pub suspension_distance_m: f64,
-}
-
-fn contact_distance() -> f64 {
-    1.5
-}
-
-fn suspension_distance() -> f64 {
-    2.0
-}
-
-/// What runs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum RunningKey {
-    /// A wheel on one rail.
-    #[default]
-    Wheel,
-    /// Two wheels on an axle and two rails alike.
-    Wheelset,
-    /// The vertical force.
-    Force,
-}
-
-/// Spring and damper in parallel.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct SuspensionKeys {
-    /// Stiffness, kN/m.
-    #[schemars(range(min = 0.0, max = 1e9))]
-    pub stiffness_kn_per_m: f64,
-    /// Damping, kN·s/m.
-    #[serde(default)]
-    #[schemars(range(min = 0.0, max = 1e9))]
-    pub damping_kn_s_per_m: f64,
 }
 
 /// The law between hub and rail.
@@ -184,6 +120,13 @@ pub struct ExcitationKeys {
     pub roll_moment: Option<MomentKeys>,
     /// Acceleration of the ground with all supports, positive down.
     pub ground_acceleration: Option<GroundKeys>,
+    /// With `[lateral]`: force on the suspended mass, on the wheelset without one; positive to the right.
+    pub lateral_force: Option<ForceKeys>,
+    /// With `[lateral]`: acceleration of the ground with all supports, positive to the right.
+    pub lateral_ground_acceleration: Option<GroundKeys>,
+    /// With `[lateral]`: moments about the axes of the rails, positive where they tilt the head to the field side.
+    #[schemars(length(max = 100))]
+    pub rail_torsion: Vec<RailTorsionKeys>,
     /// Heights of the rail along x, and flats of the wheel.
     #[schemars(length(max = 100))]
     pub irregularity: Vec<IrregularityKeys>,
@@ -233,6 +176,10 @@ pub struct RunKeys {
     #[serde(default)]
     #[schemars(range(min = -100.0, max = 100.0))]
     pub velocity_m_per_s: Option<f64>,
+    /// Velocity to the right of a start `above`, m/s; with `[lateral]`.
+    #[serde(default)]
+    #[schemars(range(min = -100.0, max = 100.0))]
+    pub lateral_velocity_m_per_s: Option<f64>,
 }
 
 fn one() -> usize {
@@ -252,44 +199,4 @@ pub enum StartKey {
     Equilibrium,
     /// The wheel above a rail that carries nothing.
     Above,
-}
-
-/// A place with columns in the history: deflection, moment and acceleration.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct ProbeKeys {
-    /// Its name, with which its columns begin: letters, digits and `_`.
-    #[schemars(length(min = 1, max = 40))]
-    pub name: String,
-    /// Place, m from the rail's first end.
-    #[schemars(range(min = 0.0, max = 1e6))]
-    pub x_m: f64,
-    /// Beam.
-    #[serde(default)]
-    pub on: OnKey,
-    /// Rail of a wheelset.
-    #[serde(default)]
-    pub side: ProbeSideKey,
-}
-
-/// Which beam.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum OnKey {
-    /// The rail.
-    #[default]
-    Rail,
-    /// The bridge.
-    Bridge,
-}
-
-/// Which rail.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum ProbeSideKey {
-    /// The right one, which a single wheel has.
-    #[default]
-    Right,
-    /// The left one.
-    Left,
 }

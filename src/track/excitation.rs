@@ -6,10 +6,11 @@ use std::path::Path;
 use railspring_profiles::error::InputError;
 use railspring_profiles::units::{KILONEWTON, MILLIMETRE};
 use railspring_simulate::time::scenario::{HarmonicForce, LEAST_STEPS_PER_PERIOD};
-use railspring_simulate::track::{Irregularity, Spectrum, TimeFunction, Unevenness, Way};
+use railspring_simulate::track::{Irregularity, RailTorsion, Spectrum, TimeFunction, UnevenRail, Way};
 
 use super::document::{
-    ExcitationKeys, Interpolation, IrregularityKey, IrregularityKeys, RunKeys, SideKey, TableKeys,
+    ExcitationKeys, ForceKeys, GroundKeys, Interpolation, IrregularityKey, IrregularityKeys, ProbeSideKey,
+    RunKeys, SideKey, TableKeys, UnevenKey,
 };
 use super::tables::{FileRecord, Over, Table};
 
@@ -26,6 +27,8 @@ pub(super) struct Around<'a> {
     pub step: f64,
     /// Number of wheels.
     pub wheels: usize,
+    /// Whether the wheelset moves across the track.
+    pub lateral: bool,
 }
 
 /// Mistakes and files, as they are found.
@@ -93,15 +96,73 @@ fn function(
     function
 }
 
+/// What is there only with `[lateral]`: force to the right (N), acceleration of the ground to the right (m/s²), moments on the rails (N·m).
+pub(super) struct LateralFunctions {
+    pub force: TimeFunction,
+    pub ground: TimeFunction,
+    pub torsion: Vec<RailTorsion>,
+}
+
+/// What acts across the track on a rail of `length` (m).
+pub(super) fn lateral_functions(
+    keys: &ExcitationKeys,
+    around: &Around<'_>,
+    length: f64,
+    found: &mut Found,
+) -> LateralFunctions {
+    let given = [
+        ("lateral_force", keys.lateral_force.is_some()),
+        ("lateral_ground_acceleration", keys.lateral_ground_acceleration.is_some()),
+        ("rail_torsion", !keys.rail_torsion.is_empty()),
+    ];
+    for (key, _) in given.iter().filter(|(_, given)| *given && !around.lateral) {
+        found.mistakes.push(InputError::new(
+            format!("excitation.{key}"),
+            "given",
+            "a wheelset across the track, with a section `[lateral]`",
+            "leave it out, or add `[lateral]`",
+        ));
+    }
+    let force = keys.lateral_force.as_ref().map(|force| forced(force, "lateral_force", around, found));
+    let ground = keys
+        .lateral_ground_acceleration
+        .as_ref()
+        .map(|ground| shaken(ground, "lateral_ground_acceleration", around, found));
+    let mut torsion = Vec::new();
+    for (index, keys) in keys.rail_torsion.iter().enumerate() {
+        let key = format!("excitation.rail_torsion[{index}]");
+        if !(0.0..=length).contains(&keys.at_m) || length.is_infinite() {
+            let expected = match length.is_finite() {
+                true => format!("a place on the rail, 0 to {length} m"),
+                false => "a rail that moves".into(),
+            };
+            let remedy = "correct the place, or the length of the rail";
+            found.mistakes.push(InputError::new(format!("{key}.at_m"), keys.at_m, expected, remedy));
+        }
+        let sines =
+            keys.harmonics.iter().map(|h| (h.amplitude_kn_m * KILONEWTON, h.frequency_hz, h.phase_deg));
+        let table = (keys.table.as_ref(), KILONEWTON);
+        let moment = function(around, found, &key, keys.mean_kn_m * KILONEWTON, sines, table);
+        let rail = usize::from(keys.side == ProbeSideKey::Left);
+        torsion.push(RailTorsion { rail, x: keys.at_m, moment });
+    }
+    LateralFunctions { force: force.unwrap_or_default(), ground: ground.unwrap_or_default(), torsion }
+}
+
+fn forced(force: &ForceKeys, key: &str, around: &Around<'_>, found: &mut Found) -> TimeFunction {
+    let sines = force.harmonics.iter().map(|h| (h.amplitude_kn * KILONEWTON, h.frequency_hz, h.phase_deg));
+    let table = (force.table.as_ref(), KILONEWTON);
+    function(around, found, &format!("excitation.{key}"), force.mean_kn * KILONEWTON, sines, table)
+}
+
+fn shaken(ground: &GroundKeys, key: &str, around: &Around<'_>, found: &mut Found) -> TimeFunction {
+    let sines = ground.harmonics.iter().map(|h| (h.amplitude_m_per_s2, h.frequency_hz, h.phase_deg));
+    function(around, found, &format!("excitation.{key}"), 0.0, sines, (ground.table.as_ref(), 1.0))
+}
+
 /// Vertical force (N), roll moment (N·m) and acceleration of the ground (m/s²).
 pub(super) fn functions(keys: &ExcitationKeys, around: &Around<'_>, found: &mut Found) -> [TimeFunction; 3] {
-    let force = keys.vertical_force.as_ref().map(|force| {
-        let sines =
-            force.harmonics.iter().map(|h| (h.amplitude_kn * KILONEWTON, h.frequency_hz, h.phase_deg));
-        let mean = force.mean_kn * KILONEWTON;
-        let table = (force.table.as_ref(), KILONEWTON);
-        function(around, found, "excitation.vertical_force", mean, sines, table)
-    });
+    let force = keys.vertical_force.as_ref().map(|force| forced(force, "vertical_force", around, found));
     let moment = keys.roll_moment.as_ref().map(|moment| {
         let sines =
             moment.harmonics.iter().map(|h| (h.amplitude_kn_m * KILONEWTON, h.frequency_hz, h.phase_deg));
@@ -117,11 +178,8 @@ pub(super) fn functions(keys: &ExcitationKeys, around: &Around<'_>, found: &mut 
             "leave it out, or take a wheelset",
         ));
     }
-    let ground = keys.ground_acceleration.as_ref().map(|ground| {
-        let sines = ground.harmonics.iter().map(|h| (h.amplitude_m_per_s2, h.frequency_hz, h.phase_deg));
-        let table = (ground.table.as_ref(), 1.0);
-        function(around, found, "excitation.ground_acceleration", 0.0, sines, table)
-    });
+    let ground =
+        keys.ground_acceleration.as_ref().map(|ground| shaken(ground, "ground_acceleration", around, found));
     [force, moment, ground].map(Option::unwrap_or_default)
 }
 
@@ -163,15 +221,15 @@ fn reached(way: &Way, around: &Around<'_>, length: f64) -> [f64; 2] {
     places.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
 }
 
-/// All that is uneven under each wheel. `length` (m) is that of the rail, `own` the frequency (Hz) of a wheel on its contact, if it has one.
+/// All that is uneven under each wheel: heights, and places towards the field side. `length` (m) is that of the rail, `own` the frequency (Hz) of a wheel on its contact, if it has one.
 pub(super) fn unevenness(
     keys: &[IrregularityKeys],
     around: &Around<'_>,
     way: &Way,
     (length, own): (f64, Option<f64>),
     found: &mut Found,
-) -> Vec<Unevenness> {
-    let mut all = vec![Unevenness::default(); around.wheels];
+) -> Vec<UnevenRail> {
+    let mut all = vec![UnevenRail::default(); around.wheels];
     for (index, one) in keys.iter().enumerate() {
         let key = format!("excitation.irregularity[{index}]");
         if let Some(mistake) = foreign(one, &key) {
@@ -183,6 +241,17 @@ pub(super) fn unevenness(
             found.mistakes.push(InputError::new(format!("{key}.side"), "\"left\"", expected, "leave it out"));
             continue;
         }
+        let lateral = one.direction == UnevenKey::Lateral;
+        let sampled = [IrregularityKey::Table, IrregularityKey::Spectrum].contains(&one.kind);
+        if lateral && !(around.lateral && sampled) {
+            let expected = match around.lateral {
+                true => "a `table` or a `spectrum`, which can be lateral",
+                false => "a wheelset across the track, with a section `[lateral]`",
+            };
+            let remedy = "leave it out, or take another kind of irregularity or study";
+            found.mistakes.push(InputError::new(format!("{key}.direction"), "\"lateral\"", expected, remedy));
+            continue;
+        }
         let made = irregularity(one, &key, around, way, (length, own), found);
         let Some(made) = made else { continue };
         for (side, unevenness) in all.iter_mut().enumerate() {
@@ -191,7 +260,11 @@ pub(super) fn unevenness(
                 SideKey::Right => side == 0,
                 SideKey::Left => side == 1,
             };
-            if here {
+            if here && lateral {
+                // the field side of the left rail is on the left
+                unevenness.lateral.push(if side == 0 { made.clone() } else { made.clone().negated() });
+            } else if here {
+                let unevenness = &mut unevenness.vertical;
                 let of = if one.kind == IrregularityKey::WheelFlat {
                     &mut unevenness.wheel
                 } else {

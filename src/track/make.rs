@@ -4,7 +4,7 @@ use railspring_profiles::error::{InputError, Result};
 use railspring_profiles::monitor::Monitor;
 use serde::Deserialize;
 
-use super::columns::{columns_of, csv};
+use super::columns::csv;
 use super::page::page;
 use super::record::{TrackRecord, record};
 use super::resolve::TrackStudy;
@@ -52,14 +52,13 @@ pub fn made(study: &TrackStudy, folder: &OutputFolder, monitor: &dyn Monitor) ->
     if folder.read_json::<Earlier>(RECORD, "run").is_err() {
         OUTPUTS.iter().try_for_each(|name| not_a_users(&folder.file(name)))?;
     }
-    let run = study.case.run(monitor)?;
-    let columns = columns_of(&study.case);
-    let record = record(study, &run, &columns);
-    let page = page(&record, &run, &columns);
+    let outcome = study.case.run(monitor)?;
+    let record = record(study, &outcome);
+    let page = page(&record, &outcome.columns);
     folder.write_together(&[
         // first: a run that is stopped between two files knows that they are its own
         (RECORD, to_json(&record).into()),
-        (HISTORY, csv(&columns, &run).into()),
+        (HISTORY, csv(&outcome.columns).into()),
         (REPORT, page.into_bytes().into()),
     ])?;
     let completed = record.ending == "completed";

@@ -1,6 +1,5 @@
 //! `report.html` of a track study: what was verified, the largest values, curves and keys.
 
-use railspring_simulate::track::TrackRun;
 use serde_json::{Value, json};
 
 use super::columns::TrackColumn;
@@ -16,23 +15,79 @@ const INTERVALS: usize = 600;
 /// Height of a panel, pixels.
 const HEIGHT: u32 = 220;
 
+/// A figure: panels, each the end of its columns' names and its label, and a caption.
+type Figure = (&'static [(&'static str, &'static str)], &'static str);
+
+/// The figures that a wheelset across the track has besides.
+const LATERAL: [Figure; 4] = [
+    (
+        &[("q_kn", "Q, kN"), ("q_over_p", "Q/P"), ("q_over_p_2m", "Q/P, 2 m mean")],
+        "Lateral force of the wheels on the rails to their field sides, its ratio to the vertical force, and that of forces below 20 Hz averaged over the last 2 m (EN 14363), over time.",
+    ),
+    (
+        &[("unloading", "unloading"), ("flange_tip_mm", "flange tip, mm"), ("contacts", "contacts")],
+        "Wheel unloading, height of the flange's tip above the rail's top (a wheel with a positive one is not guided), and number of contacts over time.",
+    ),
+    (
+        &[
+            ("wheelset_y_mm", "wheelset y, mm"),
+            ("wheelset_z_mm", "wheelset z, mm"),
+            ("wheelset_roll_mrad", "roll, mrad"),
+            ("suspended_y_mm", "suspended y, mm"),
+            ("suspended_roll_mrad", "suspended roll, mrad"),
+        ],
+        "Wheelset and suspended mass over time: displacements to the right and down against the ground, and roll, positive where it lowers the right side.",
+    ),
+    (
+        &[("suspension_y_kn", "lateral, kN"), ("suspension_z_kn", "vertical, kN")],
+        "Forces of the suspensions on the wheelset along its own axes, to the right and down, over time.",
+    ),
+];
+
 /// The page; self-contained.
-pub(super) fn page(record: &TrackRecord, run: &TrackRun, columns: &[TrackColumn]) -> String {
+pub(super) fn page(record: &TrackRecord, columns: &[TrackColumn]) -> String {
+    let time = &columns[0].values;
     let mut figures = Vec::new();
-    let forces: Vec<&TrackColumn> = columns.iter().filter(|column| column.name.ends_with("p_kn")).collect();
-    figures.push(figure(&forces, run, "P, kN", "Vertical force of the wheel on the rail over time."));
+    let both = |end: &str| -> Vec<&TrackColumn> {
+        columns
+            .iter()
+            .filter(|column| ["", "right_", "left_"].iter().any(|side| column.name == format!("{side}{end}")))
+            .collect()
+    };
+    figures.push(drawn(
+        &[panel(&both("p_kn"), time, "P, kN")],
+        "Vertical force of the wheel on the rail over time.",
+    ));
+    for (all, caption) in LATERAL {
+        let panels: Vec<Panel> = all
+            .iter()
+            .filter_map(|(end, label)| Some((both(end), label)).filter(|(columns, _)| !columns.is_empty()))
+            .map(|(columns, label)| panel(&columns, time, label))
+            .collect();
+        if !panels.is_empty() {
+            figures.push(drawn(&panels, caption));
+        }
+    }
     for column in columns.iter().filter(|column| column.name.ends_with("_deflection_mm")) {
         let probe = column.name.trim_end_matches("_deflection_mm");
         let named = |end: &str| columns.iter().find(|column| column.name == format!("{probe}_{end}"));
         let panels: Vec<Panel> = [
             (Some(column), "deflection, mm"),
+            (named("lateral_mm"), "lateral, mm"),
+            (named("twist_mrad"), "rotation, mrad"),
             (named("moment_kn_m"), "moment, kN·m"),
+            (named("torsion_kn_m"), "torsion, kN·m"),
             (named("acceleration_m_per_s2"), "acceleration, m/s²"),
         ]
         .into_iter()
-        .filter_map(|(column, label)| Some(panel(&[column?], run, label)))
+        .filter_map(|(column, label)| Some(panel(&[column?], time, label)))
         .collect();
-        let caption = format!("Probe {probe}: deflection, bending moment and acceleration over time.");
+        let what = if named("twist_mrad").is_some() {
+            "displacements, moments"
+        } else {
+            "deflection, bending moment"
+        };
+        let caption = format!("Probe {probe}: {what} and acceleration over time.");
         figures.push(drawn(&panels, &caption));
     }
     let row = |at: &super::record::Extreme| json!([number(at.value), number(at.time_s), number(at.x_m)]);
@@ -49,6 +104,7 @@ pub(super) fn page(record: &TrackRecord, run: &TrackRun, columns: &[TrackColumn]
             "name": record.study,
             "description": record.description,
             "completed": record.ending == "completed",
+            "lateral": columns.iter().any(|column| column.name == "wheelset_y_mm"),
             "rows": record.rows,
             "unknowns": record.unknowns,
             "verification": record.verification.reason,
@@ -62,26 +118,22 @@ pub(super) fn page(record: &TrackRecord, run: &TrackRun, columns: &[TrackColumn]
     )
 }
 
-fn figure(columns: &[&TrackColumn], run: &TrackRun, label: &str, caption: &str) -> Value {
-    drawn(&[panel(columns, run, label)], caption)
-}
-
 fn drawn(panels: &[Panel], caption: &str) -> Value {
     json!({ "svg": inline(&stacked(WIDTH, HEIGHT, panels), caption), "caption": caption })
 }
 
-fn panel(columns: &[&TrackColumn], run: &TrackRun, label: &str) -> Panel {
+fn panel(columns: &[&TrackColumn], time: &[f64], label: &str) -> Panel {
     let styles = [(DARK, Dash::Solid), (BLUE, Dash::Dashed)];
     let series = columns.iter().zip(styles).map(|(column, (color, dash))| {
         let name = if columns.len() > 1 { column.name.split('_').next().unwrap_or_default() } else { "" };
-        Series::line(name, thinned(column, run), color, dash)
+        Series::line(name, thinned(column, time), color, dash)
     });
     Panel::from_zero("time, s", label, series.collect())
 }
 
 /// A curve over time; of many rows the smallest and the largest value of each interval.
-fn thinned(column: &TrackColumn, run: &TrackRun) -> Vec<(f64, f64)> {
-    let all: Vec<(f64, f64)> = run.rows.iter().map(|row| (row.time, column.of(row))).collect();
+fn thinned(column: &TrackColumn, time: &[f64]) -> Vec<(f64, f64)> {
+    let all: Vec<(f64, f64)> = time.iter().copied().zip(column.values.iter().copied()).collect();
     if all.len() <= 2 * INTERVALS {
         return all;
     }

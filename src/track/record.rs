@@ -1,10 +1,10 @@
 //! `track.json`: what a run was made from, how it ended, and its largest values.
 
-use railspring_simulate::track::{TrackEnding, TrackRun};
 use serde::Serialize;
 use serde_json::Value;
 
 use super::columns::TrackColumn;
+use super::outcome::{DerailmentRecord, Outcome};
 use super::resolve::TrackStudy;
 use super::tables::FileRecord;
 use crate::version;
@@ -30,11 +30,14 @@ pub struct TrackRecord {
     pub unknowns: usize,
     /// Rows of the history.
     pub rows: usize,
-    /// How it ended: `completed` or `rail-end`.
+    /// How it ended: `completed`, `rail-end`, `derailed` or `rail-profile-end`.
     pub ending: &'static str,
     /// When it ended early, s.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ended_at_s: Option<f64>,
+    /// How a wheelset derailed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub derailment: Option<DerailmentRecord>,
     /// What was verified.
     pub verification: Verification,
     /// Smallest and largest value of each column.
@@ -51,10 +54,6 @@ pub struct Verification {
     /// Why.
     pub reason: &'static str,
 }
-
-/// Why nothing is verified.
-pub(super) const UNVERIFIED: &str =
-    "nothing was verified: a load case on a track has no profiles and no solids that could follow it";
 
 /// Smallest and largest value of a column.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -81,11 +80,8 @@ pub struct Extreme {
 }
 
 /// The record of a study's run.
-pub(super) fn record(study: &TrackStudy, run: &TrackRun, columns: &[TrackColumn]) -> TrackRecord {
-    let (ending, ended_at_s) = match run.ending {
-        TrackEnding::Completed => ("completed", None),
-        TrackEnding::RailEnd { time } => ("rail-end", Some(time)),
-    };
+pub(super) fn record(study: &TrackStudy, outcome: &Outcome) -> TrackRecord {
+    let columns = &outcome.columns;
     TrackRecord {
         version: env!("CARGO_PKG_VERSION"),
         commit: version::COMMIT,
@@ -94,22 +90,24 @@ pub(super) fn record(study: &TrackStudy, run: &TrackRun, columns: &[TrackColumn]
         study_blake3: study.source.hash().into(),
         keys: study.keys(),
         files: study.files.clone(),
-        unknowns: run.unknowns,
-        rows: run.rows.len(),
-        ending,
-        ended_at_s,
-        verification: Verification { verified: false, reason: UNVERIFIED },
-        figures: columns[2..].iter().filter_map(|column| figures(column, run)).collect(),
-        notes: notes(study, run),
+        unknowns: outcome.unknowns,
+        rows: outcome.rows(),
+        ending: outcome.ending,
+        ended_at_s: outcome.ended_at,
+        derailment: outcome.derailment.clone(),
+        verification: Verification { verified: false, reason: outcome.unverified },
+        figures: columns[2..].iter().filter_map(|column| figures(column, columns)).collect(),
+        notes: study.notes.iter().chain(&outcome.notes).cloned().collect(),
     }
 }
 
 /// The extremes of a column; none of one without values.
-fn figures(column: &TrackColumn, run: &TrackRun) -> Option<Figures> {
-    let all = || run.rows.iter().map(|row| (column.of(row), row)).filter(|(value, _)| value.is_finite());
+fn figures(column: &TrackColumn, columns: &[TrackColumn]) -> Option<Figures> {
+    let all = || column.values.iter().copied().enumerate().filter(|(_, value)| value.is_finite());
     let of = |better: fn(f64, f64) -> bool| {
-        let found = all().reduce(|best, next| if better(next.0, best.0) { next } else { best });
-        found.map(|(value, row)| Extreme { value, time_s: row.time, x_m: row.x })
+        let found = all().reduce(|best, next| if better(next.1, best.1) { next } else { best });
+        let at = |row: usize| (columns[0].values[row], columns[1].values[row]);
+        found.map(|(row, value)| Extreme { value, time_s: at(row).0, x_m: at(row).1 })
     };
     Some(Figures {
         column: column.name.clone(),
@@ -117,28 +115,4 @@ fn figures(column: &TrackColumn, run: &TrackRun) -> Option<Figures> {
         smallest: of(|a, b| a < b)?,
         largest: of(|a, b| a > b)?,
     })
-}
-
-/// What has to be said of a run.
-fn notes(study: &TrackStudy, run: &TrackRun) -> Vec<String> {
-    let mut notes = study.notes.clone();
-    if let TrackEnding::RailEnd { time } = run.ending {
-        let rows = run.rows.len() - 1;
-        notes
-            .push(format!("the wheel came to the end of the rail at {time} s: the history has {rows} steps"));
-    }
-    let flying = |wheel: usize| run.rows.iter().filter(|row| row.wheels[wheel].approach < 0.0).count();
-    let wheels = run.rows.first().map_or(0, |row| row.wheels.len());
-    for wheel in 0..wheels {
-        let rows = flying(wheel);
-        if rows > 0 {
-            let which = match (wheels, wheel) {
-                (1, _) => "the wheel",
-                (_, 0) => "the right wheel",
-                _ => "the left wheel",
-            };
-            notes.push(format!("{which} is off the rail in {rows} of {} rows", run.rows.len()));
-        }
-    }
-    notes
 }

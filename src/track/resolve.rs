@@ -15,7 +15,9 @@ use super::document::{
     ContactKeys, LawKey, OnKey, ProbeKeys, ProbeSideKey, RunKeys, RunningKey, StartKey, TrackDocument,
     WheelKeys,
 };
-use super::excitation::{Around, Found, functions, unevenness, way};
+use super::excitation::{Around, Found, functions, lateral_functions, unevenness, way};
+use super::lateral;
+use super::outcome::LoadCase;
 use super::tables::FileRecord;
 use crate::engine::inputs::Inputs;
 use crate::engine::output::read_json;
@@ -35,7 +37,7 @@ pub struct TrackStudy {
     /// Its keys.
     pub document: TrackDocument,
     /// The load case.
-    pub case: TrackCase,
+    pub case: LoadCase,
     /// The files that it reads.
     pub files: Vec<FileRecord>,
     /// What has to be said about it.
@@ -107,7 +109,7 @@ impl TrackStudy {
     }
 }
 
-fn case(document: &TrackDocument, folder: &Path, found: &mut Found) -> Option<(TrackCase, Vec<String>)> {
+fn case(document: &TrackDocument, folder: &Path, found: &mut Found) -> Option<(LoadCase, Vec<String>)> {
     found.took(check_name(&document.name));
     let track = track(document).map_err(|mistakes| found.mistakes.extend(mistakes)).ok();
     let running = found.took(running(&document.wheel));
@@ -115,16 +117,30 @@ fn case(document: &TrackDocument, folder: &Path, found: &mut Found) -> Option<(T
     let run = &document.run;
     let start = found.took(start(run));
     let wheels = if document.wheel.kind == RunningKey::Wheelset { 2 } else { 1 };
+    let lateral = document.lateral.as_ref();
     let around = Around {
         folder,
         duration: run.steps as f64 * run.time_step_s,
         step: run.time_step_s / run.inner_steps as f64,
         wheels,
+        lateral: lateral.is_some(),
     };
     let [force, roll, ground] = functions(&document.excitation, &around, found);
     let way = way(run, &around, found);
-    let mirrored = document.wheel.mirrored;
+    // all of a wheelset across the track is mirrored at once, in the end
+    let mirrored = document.wheel.mirrored && lateral.is_none();
     let roll = if mirrored { roll.negated() } else { roll };
+    let rail_length = document.rail.length_m.filter(|_| !document.rail.rigid).unwrap_or(f64::INFINITY);
+    let sideways = lateral_functions(&document.excitation, &around, rail_length, found);
+    let parts = lateral.and_then(|keys| found.took(lateral::parts(document, keys)));
+    if let (None, Some(velocity)) = (lateral, run.lateral_velocity_m_per_s) {
+        found.mistakes.push(InputError::new(
+            "run.lateral_velocity_m_per_s",
+            velocity,
+            "a wheelset across the track, with a section `[lateral]`",
+            "leave it out, or add `[lateral]`",
+        ));
+    }
     let mut probes: Vec<Probe> = document
         .probe
         .iter()
@@ -147,10 +163,12 @@ fn case(document: &TrackDocument, folder: &Path, found: &mut Found) -> Option<(T
     let own = own_frequency(&running, &law, at_start / wheels as f64);
     found.took(check_step(own, &around));
     let mut uneven = unevenness(&document.excitation.irregularity, &around, &way, (length, own), found);
+    let lateral_uneven = uneven.clone();
     if mirrored {
         uneven.reverse();
         probes.iter_mut().for_each(|probe| probe.rail = wheels - 1 - probe.rail);
     }
+    let uneven = uneven.into_iter().map(|uneven| uneven.vertical).collect();
     let damping = document.contact.damping_kn_s_per_m * KILONEWTON;
     let case = TrackCase {
         track,
@@ -167,7 +185,11 @@ fn case(document: &TrackDocument, folder: &Path, found: &mut Found) -> Option<(T
         start,
         probes,
     };
-    Some((case, notes))
+    if lateral.is_none() {
+        return Some((LoadCase::InPlane(case), notes));
+    }
+    let across = parts?.across(case, sideways, lateral_uneven, document);
+    Some((LoadCase::Across(Box::new(across)), notes))
 }
 
 fn check_name(name: &str) -> Result<()> {
@@ -345,7 +367,11 @@ fn of_file(name: &str, path: &Path) -> Result<(NormalLaw, Vec<FileRecord>, Vec<S
 }
 
 fn start(keys: &RunKeys) -> Result<Start> {
-    let of_above = [("height_mm", keys.height_mm), ("velocity_m_per_s", keys.velocity_m_per_s)];
+    let of_above = [
+        ("height_mm", keys.height_mm),
+        ("velocity_m_per_s", keys.velocity_m_per_s),
+        ("lateral_velocity_m_per_s", keys.lateral_velocity_m_per_s),
+    ];
     match keys.start {
         StartKey::Above => Ok(Start::Above {
             height: keys.height_mm.unwrap_or(0.0) * MILLIMETRE,

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use railspring_simulate::track::{Carrier, Direction, Onto, Running, Start};
 
-use super::TrackStudy;
+use super::{LoadCase, TrackStudy};
 
 const STUDY: &str = r#"kind = "track"
 name = "t"
@@ -36,7 +36,7 @@ fn read(text: &str) -> Result<TrackStudy, String> {
 /// Goal: all keys of a rail arrive in SI units (N, m, kg, s), supports at their nodes and places, and the force at its place.
 #[test]
 fn keys_arrive_in_si_units() {
-    let case = read(STUDY).unwrap().case;
+    let LoadCase::InPlane(case) = read(STUDY).unwrap().case else { panic!("across") };
     let track = case.track.as_ref().unwrap();
     assert_eq!((track.length, track.elements), (6.0, 12));
     let section = track.rail.section;
@@ -76,7 +76,8 @@ fn sleepers_stand_on_the_bridge_that_is_there() {
     let bridge = "[bridge]\nfrom_m = 1.5\nto_m = 3.0\nsection = { young_gpa = 30.0, inertia_m4 = 0.1, mass_kg_per_m = 1e3 }\n";
     let text =
         STUDY.replace("foundation = { stiffness_kn_per_m2 = 2.0, damping_kn_s_per_m2 = 3.0 }\n", "") + bridge;
-    let track = read(&text).unwrap().case.track.unwrap();
+    let LoadCase::InPlane(case) = read(&text).unwrap().case else { panic!("across") };
+    let track = case.track.unwrap();
     assert_eq!(track.bridge.unwrap().nodes, [3, 6]);
     let onto: Vec<_> = track.layers.iter().map(|layers| layers.onto).collect();
     assert_eq!(onto, [Onto::Ground, Onto::Ground, Onto::Ground, Onto::Bridge, Onto::Bridge]);

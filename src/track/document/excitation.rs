@@ -136,6 +136,9 @@ pub struct IrregularityKeys {
     /// Under which wheel of a wheelset.
     #[serde(default)]
     pub side: SideKey,
+    /// Whether the rail is uneven vertically or across the track; the latter with `[lateral]`, as a `table` or a `spectrum`, positive to the right.
+    #[serde(default)]
+    pub direction: UnevenKey,
     /// `table`: heights over places, mm and m, positive upwards.
     #[serde(default)]
     pub table: Option<TableKeys>,
@@ -193,6 +196,17 @@ pub enum IrregularityKey {
     DippedJoint,
     /// A flat of the wheel whose ends are worn round: a period of a cosine.
     WheelFlat,
+}
+
+/// In which direction a rail is uneven.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum UnevenKey {
+    /// Heights, positive up.
+    #[default]
+    Vertical,
+    /// Places across the track, positive to the right.
+    Lateral,
 }
 
 /// Under which wheel.
