@@ -99,7 +99,7 @@ fn summary(element: &Element) -> String {
         .hub_max_rel_error
         .map_or_else(String::new, |hub| format!(", the hub's displacement by {:.1} %", 100.0 * hub));
     format!(
-        "{} element: {} modes of the wheel, {} places of strips, for normal forces up to {:.0} kN; contact forces are off the solids' by {:.1} % at most{hub}",
+        "{} element: {} modes of the wheel, {} places of strips, for normal forces up to {:.0} kN; contact forces differ from the solids' by {:.1} % at most{hub}",
         about.element,
         element.wheel.modes.len(),
         element.strips.places().len(),

@@ -83,11 +83,17 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// Follows a `$ref` into the definitions.
+    /// Follows a `$ref` into the definitions, also that of a section that may be left out.
     pub fn resolve(&self, schema: &'a Value) -> &'a Value {
-        match schema.get("$ref").and_then(Value::as_str).and_then(|r| r.strip_prefix('#')) {
-            Some(pointer) => self.root.pointer(pointer).unwrap_or(schema),
-            None => schema,
+        if let Some(pointer) = schema.get("$ref").and_then(Value::as_str).and_then(|r| r.strip_prefix('#')) {
+            return self.root.pointer(pointer).unwrap_or(schema);
+        }
+        let of = schema.get("anyOf").and_then(Value::as_array).into_iter().flatten();
+        let given: Vec<&Value> =
+            of.filter(|one| one.get("type").and_then(Value::as_str) != Some("null")).collect();
+        match given[..] {
+            [one] => self.resolve(one),
+            _ => schema,
         }
     }
 

@@ -6,7 +6,8 @@
  * The host has the hub, the suspended mass on spring and damper, the wheel's modes and the rail's modes. It uses Newmark's scheme
  * with average acceleration. Newton's method balances each step with the contact's forces and tangent.
  *
- *   cc -std=c99 -O2 newmark.c -L. -lrailspring_c -lm -o newmark && ./newmark pair.rse 16 >forces.csv
+ *   cc -std=c99 -O2 newmark.c -L. -lrailspring_c -lm -Wl,-rpath,'$ORIGIN' -o newmark
+ *   ./newmark pair.rse 16 >forces.csv
  *
  * The number is how many steps make half a millisecond. The columns are time (s), P and Q (N). */
 #include "railspring.h"

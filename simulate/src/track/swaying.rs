@@ -1,6 +1,6 @@
 //! A wheelset with a mass above that sways, bounces and rolls.
 //!
-//! Coordinates are displacements to the right and down and the roll, positive where the right side goes down, of the axle and of the mass above: y, z, φ, Y, Z, Φ.
+//! Coordinates of the axle are y to the right, z down and the roll φ, positive where the right side goes down; those of the mass above are Y, Z and Φ.
 //! On each side a spring with a damper joins the axle at its height to the mass, vertically and laterally; the mass has its centre above.
 //!
 //! **Weight aside.** The springs turn with the axle. So the weight W of the mass above acts where the mass has gone: the axle gets the moment W·(Y − y − h·Φ), and the mass slides

@@ -116,7 +116,7 @@ impl AngleLawRecord {
 /// The solid under a fixed load.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FixedLoadRecord {
-    /// Load along the contact normal, kN.
+    /// Load, kN: along the contact normal; in a table with `direction = "vertical"` the vertical one.
     pub force_kn: f64,
     /// Displacement and tangent with each reference.
     pub references: Vec<FixedReferenceRecord>,
