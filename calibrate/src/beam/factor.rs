@@ -104,16 +104,21 @@ impl<const N: usize> Elements<N> {
 }
 
 /// Elimination from one end, a link for each node in turn. With inertia the end is forgotten after some elements: the links repeat to
-/// the last bit, one or a few in turn, and those that follow are not stored.
+/// the last bit, one or a few in turn, and those that follow are not stored. Where elements differ, links of equal supports at equal distances repeat: each is stored once.
 #[derive(Debug, Clone)]
 struct Sweep<const N: usize> {
     links: Vec<Link<N>>,
     /// How many of the last links repeat.
     period: usize,
+    /// Where elements differ, the number of each node's link.
+    numbers: Vec<u32>,
 }
 
 /// Longest period that is looked for: rounding makes few links go round.
 const MOST_IN_TURN: usize = 16;
+
+/// Elements differ that many nodes back at most where links are looked for that repeat: more than lie between two sleepers.
+const MOST_BETWEEN: usize = 32;
 
 /// The elimination of a node into the next.
 #[derive(Debug, Clone, PartialEq)]
@@ -206,10 +211,15 @@ impl<const N: usize> Sweep<N> {
         let end = inverse(*element(0).0, held)?;
         let at_end = Link { inverse: end, carried: SMatrix::zeros(), carried_back: SMatrix::zeros() };
         let mut links = vec![at_end];
+        let mut numbers: Vec<u32> = match elements {
+            Elements::Equal(..) => Vec::new(),
+            Elements::Each(_) => vec![0],
+        };
         for node in 1..=count {
+            let before = numbers.last().map_or(node - 1, |number| *number as usize);
             // what belongs of a node's equations to its predecessor
             let (_, towards, own) = element(node - 1);
-            let carried = towards * links[node - 1].inverse;
+            let carried = towards * links[before].inverse;
             // nothing follows the last node: its link is only carried to, and any positive equations do
             let following = element(node.min(count - 1)).0;
             let left = own + following - carried * towards.transpose();
@@ -218,11 +228,20 @@ impl<const N: usize> Sweep<N> {
             if let Elements::Equal(..) = elements
                 && let Some(back) = links.iter().rev().take(MOST_IN_TURN).position(|known| *known == link)
             {
-                return Some(Self { links, period: back + 1 });
+                return Some(Self { links, period: back + 1, numbers });
+            }
+            if let Elements::Each(_) = elements {
+                let known =
+                    numbers.iter().rev().take(MOST_BETWEEN).find(|known| links[**known as usize] == link);
+                if let Some(&known) = known {
+                    numbers.push(known);
+                    continue;
+                }
+                numbers.push(links.len() as u32);
             }
             links.push(link);
         }
-        Some(Self { links, period: 1 })
+        Some(Self { links, period: 1, numbers })
     }
 
     fn link(&self, node: usize) -> &Link<N> {
@@ -231,12 +250,23 @@ impl<const N: usize> Sweep<N> {
 
     /// Where the link of a node is stored.
     fn stored(&self, node: usize) -> usize {
+        if let Some(number) = self.numbers.get(node) {
+            return *number as usize;
+        }
         let stored = self.links.len();
         if node < stored { node } else { stored - self.period + (node - stored) % self.period }
     }
 
     fn forward<'a, V: Entry + 'a>(&self, nodes: impl Iterator<Item = &'a mut [V; N]>) {
         let mut before = [V::ZERO; N];
+        if !self.numbers.is_empty() {
+            for (node, number) in nodes.zip(&self.numbers) {
+                subtract(node, &product(&self.links[*number as usize].carried, &before));
+                flush(node);
+                before = *node;
+            }
+            return;
+        }
         let mut at = 0;
         for node in nodes {
             subtract(node, &product(&self.links[at].carried, &before));
@@ -252,16 +282,28 @@ impl<const N: usize> Sweep<N> {
     /// From the node `start`, which has its value, back to the end.
     fn backward<'a, V: Entry + 'a>(&self, start: usize, mut nodes: impl Iterator<Item = &'a mut [V; N]>) {
         let Some(mut after) = nodes.next().copied() else { return };
-        let (stored, first_of_turn) = (self.links.len(), self.links.len() - self.period);
-        let mut at = self.stored(start);
-        for (from_end, node) in (0..start).rev().zip(nodes) {
-            let carried_back = &self.links[at].carried_back;
-            at = if from_end + 1 >= stored && at == first_of_turn { stored - 1 } else { at - 1 };
-            let mut value = product(&self.links[at].inverse, node);
-            subtract(&mut value, &product(carried_back, &after));
+        let mut substitute = |own: &Link<N>, next: &Link<N>, node: &mut [V; N]| {
+            let mut value = product(&own.inverse, node);
+            subtract(&mut value, &product(&next.carried_back, &after));
             flush(&mut value);
             *node = value;
             after = value;
+        };
+        if let Some(numbers) = self.numbers.get(..=start) {
+            let mut next = &self.links[numbers[start] as usize];
+            for (number, node) in numbers[..start].iter().rev().zip(nodes) {
+                let own = &self.links[*number as usize];
+                substitute(own, next, node);
+                next = own;
+            }
+            return;
+        }
+        let (stored, first_of_turn) = (self.links.len(), self.links.len() - self.period);
+        let mut at = self.stored(start);
+        for (from_end, node) in (0..start).rev().zip(nodes) {
+            let next = &self.links[at];
+            at = if from_end + 1 >= stored && at == first_of_turn { stored - 1 } else { at - 1 };
+            substitute(&self.links[at], next, node);
         }
     }
 }

@@ -43,11 +43,47 @@ pub(super) struct Seat<const N: usize> {
     pub weighs: bool,
 }
 
+/// What deforms an element, which is free of its motion as a rigid body: bending with constant and with linear moment, and twist.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Deforming {
+    /// 2/length with the sign of the rotation that tilts the axis to positive deflections, 1/m.
+    pub slope: f64,
+    /// Stiffness, N·m.
+    pub bending: f64,
+    pub shearing: f64,
+    pub twisting: f64,
+}
+
+impl Deforming {
+    /// Forces with which the displacements of the nodes are resisted: deflection, rotation and, where there is a third coordinate, twist.
+    #[inline]
+    fn resisted<const N: usize>(&self, first: &[Both; N], second: &[Both; N]) -> [[Both; N]; 2] {
+        let mut forces = [[Both::ZERO; N]; 2];
+        for side in 0..2 {
+            let (turn, other) = (first[1][side], second[1][side]);
+            let bend = self.bending * (other - turn);
+            let shear = self.shearing * (turn + other - self.slope * (second[0][side] - first[0][side]));
+            let across = self.slope * shear;
+            forces[0][0][side] = across;
+            forces[1][0][side] = -across;
+            forces[0][1][side] = shear - bend;
+            forces[1][1][side] = shear + bend;
+            if N > 2 {
+                let twist = self.twisting * (second[2][side] - first[2][side]);
+                forces[0][2][side] = -twist;
+                forces[1][2][side] = twist;
+            }
+        }
+        forces
+    }
+}
+
 /// One plane of a rail.
 pub(super) struct Plane<const N: usize> {
     pub elements: usize,
     pub stiffness: ElementBlocks<N>,
     pub mass: ElementBlocks<N>,
+    pub deforming: Deforming,
     pub damping: f64,
     pub mass_damping: f64,
     pub beds: Vec<(ElementBlocks<N>, Kelvin)>,
@@ -126,8 +162,6 @@ impl<const N: usize> Plane<N> {
     /// Adds what acts on the nodes in a motion without acceleration. Each mass between layers gets the force on it in the place of its acceleration.
     fn add_forces(&self, state: &mut PlaneState<N>, ground: &Both) {
         let PlaneState { displacements, velocities, accelerations, masses } = state;
-        let [first, across, second] = &self.stiffness;
-        let back = across.transpose();
         let strained = |node: usize| -> [Both; N] {
             let (u, v) = (&displacements[node], &velocities[node]);
             std::array::from_fn(|i| [0, 1].map(|side| u[i][side] + self.damping * v[i][side]))
@@ -135,16 +169,10 @@ impl<const N: usize> Plane<N> {
         let mut here = strained(0);
         for element in 0..self.elements {
             let there = strained(element + 1);
-            let of = |near: &_, far: &_| {
-                let (a, b): ([Both; N], [Both; N]) = (product(near, &here), product(far, &there));
-                (a, b)
-            };
-            let (on_first, on_second) = (of(first, across), of(&back, second));
+            let [on_first, on_second] = self.deforming.resisted(&here, &there);
             for i in 0..N {
-                for side in 0..2 {
-                    accelerations[element][i][side] -= on_first.0[i][side] + on_first.1[i][side];
-                    accelerations[element + 1][i][side] -= on_second.0[i][side] + on_second.1[i][side];
-                }
+                accelerations[element][i].subtract(&on_first[i]);
+                accelerations[element + 1][i].subtract(&on_second[i]);
             }
             here = there;
         }

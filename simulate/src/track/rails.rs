@@ -12,7 +12,7 @@ use railspring_calibrate::beam::{BeamElement, BeamSection, ElementBlocks, rotati
 use railspring_profiles::error::{NumericsError, Result, StopReason};
 
 use super::dynamics::gains;
-use super::plane::{Both, Plane, PlaneState, PlaneStep, PlaneSteps, Seat, dot, weights};
+use super::plane::{Both, Deforming, Plane, PlaneState, PlaneStep, PlaneSteps, Seat, dot, weights};
 use super::state::Rows;
 use super::structure::{Carrier, Direction, Layers, LineBeam, Onto, Track, bed, moment, rotation};
 
@@ -165,6 +165,13 @@ impl<'a> RailsDynamics<'a> {
         let LineBeam { section, damping, mass_damping } = rail;
         let element = BeamElement { section, length: pitch, angle: 0.0 };
         let (stiffness, mass) = (element.stiffness(), element.mass());
+        let [shear_y, shear_z] = element.shear_parameters();
+        let deforming = |slope: f64, bending: f64, shear: f64, torsion: f64| Deforming {
+            slope,
+            bending: bending / pitch,
+            shearing: 3.0 * bending / (pitch * (1.0 + shear)),
+            twisting: torsion / pitch,
+        };
         let place = |x: f64| place(x, pitch, *elements);
         let of_bed: Vec<(ElementBlocks<2>, Kelvin)> = rails
             .rail
@@ -183,6 +190,8 @@ impl<'a> RailsDynamics<'a> {
                 elements: *elements,
                 stiffness: blocks(|i, j| stiffness[(i, j)], VERTICAL),
                 mass: blocks(|i, j| mass[(i, j)], VERTICAL),
+                // a positive rotation about y tilts the axis to negative z
+                deforming: deforming(-2.0 / pitch, section.bending_z, shear_z, 0.0),
                 damping: *damping,
                 mass_damping: *mass_damping,
                 beds: of_bed,
@@ -194,6 +203,7 @@ impl<'a> RailsDynamics<'a> {
                 elements: *elements,
                 stiffness: blocks(|i, j| stiffness[(i, j)], ACROSS),
                 mass: blocks(|i, j| mass[(i, j)], ACROSS),
+                deforming: deforming(2.0 / pitch, section.bending_y, shear_y, section.torsion),
                 damping: *damping,
                 mass_damping: *mass_damping,
                 beds: Vec::new(),

@@ -1,7 +1,7 @@
 //! A wheelset with a mass above that sways, bounces and rolls.
 //!
-//! Coordinates of the axle are y to the right, z down and the roll φ, positive where the right side goes down; those of the mass above are Y, Z and Φ.
-//! On each side a spring with a damper joins the axle at its height to the mass, vertically and laterally; the mass has its centre above.
+//! Coordinates are displacements to the right and down, and the roll, positive where the right side goes down. Those of the axle are y, z and φ, those of the mass above Y, Z and Φ.
+//! On each side a spring with a damper joins the axle at its height to the mass, vertically and laterally. The mass has its centre above.
 //!
 //! **Weight aside.** The springs turn with the axle. So the weight W of the mass above acts where the mass has gone: the axle gets the moment W·(Y − y − h·Φ), and the mass slides
 //! to the lower side with W·φ. These are linear with the weight at rest, as is the moment W·h·(Φ − φ) with which the mass falls over. They take nothing from the balance of forces.

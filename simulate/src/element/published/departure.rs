@@ -73,7 +73,16 @@ impl Outline {
     /// passed the end of a profile. The profile is too short where load stands on an end of the rail's
     /// profile while the wheel is still over it.
     pub fn ending(&self, solution: &Solution, time: f64) -> Option<Ending> {
+        self.ending_beyond(0.0, solution, time)
+    }
+
+    /// The same of a wheel that is over its rail as long as it has moved less than `near` (m) against it.
+    pub fn ending_beyond(&self, near: f64, solution: &Solution, time: f64) -> Option<Ending> {
         let pose = &solution.pose;
+        let turned = self.centre.norm() * (pose[4].abs() + pose[5].abs());
+        if (pose[0] - pose[2]).abs() + turned < near {
+            return self.at_an_end(solution, time);
+        }
         let extent = |points: &[Vector2<f64>], turn: f64, at: f64| {
             let turn = Rotation2::new(turn);
             lateral_extent(points.iter().map(|p| Point2::from(turn * p))).map(|y| y + at)
@@ -83,6 +92,12 @@ impl Outline {
         if let Some(departure) = departure(rail, wheel) {
             return Some(Ending::Departed { time, departure });
         }
+        self.at_an_end(solution, time)
+    }
+
+    /// How a run ends of whose contacts one that carries load is at an end of a profile.
+    fn at_an_end(&self, solution: &Solution, time: f64) -> Option<Ending> {
+        let pose = &solution.pose;
         solution.active.iter().find_map(|active| {
             let on_rail_end = [active.node == 0, active.node == self.last];
             let place = [active.place, self.wheel_length];

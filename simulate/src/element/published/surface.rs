@@ -121,6 +121,8 @@ pub(super) struct ContactSurface<'a> {
     bounds: Vec<f64>,
     /// Largest distance of a slave from its master.
     arm: f64,
+    /// Beyond its predicted motion a step may move this far before nodes are listed anew, m.
+    spare: f64,
 }
 
 /// A node with a smaller gap (m) that moved less keeps its foot in the neighbourhood: every radius of a wheel is larger.
@@ -129,7 +131,7 @@ const NEAR: f64 = 2e-3;
 /// The iteration for a foot ends with a shorter step, m.
 const SETTLED: f64 = 1e-9;
 
-/// Beyond its predicted motion a step may move this far (m) before nodes are listed anew.
+/// How far a step may move beyond its predicted motion before nodes are listed anew, unless something else is said, m.
 const LEAST_REACH: f64 = 50e-6;
 
 /// A vector of the wheel's profile frame in directions 1 and 2.
@@ -166,7 +168,13 @@ impl<'a> ContactSurface<'a> {
             reach: 0.0,
             bounds: vec![0.0; points.len()],
             arm,
+            spare: LEAST_REACH,
         }
+    }
+
+    /// The same with another way that a step may move beyond its predicted motion before nodes are listed anew, m: a short one makes short lists.
+    pub fn sparing(self, spare: f64) -> Self {
+        Self { spare, ..self }
     }
 
     /// Largest displacement of a rail node against the wheel between two poses.
@@ -217,7 +225,7 @@ impl<'a> ContactSurface<'a> {
     /// Lists the nodes that can touch within `reach` (m) of `start`, the last converged pose, and finds the feet of those that are
     /// new to the list.
     pub fn list(&mut self, start: &Pose, reach: f64) {
-        let reach = reach + LEAST_REACH;
+        let reach = reach + self.spare;
         let moved =
             if self.listed_at[0].is_nan() { f64::INFINITY } else { self.motion(&self.listed_at, start) };
         let before = std::mem::take(&mut self.listed);

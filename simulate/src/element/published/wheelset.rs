@@ -28,6 +28,9 @@ const EVALUATIONS_A_TRY: usize = 400;
 /// And with the friction limits of its start, which always settles.
 const EVALUATIONS_IN_THE_END: usize = 4000;
 
+/// A step moves the wheels no farther beyond their predicted motion before rail nodes are listed anew, m: most steps do not.
+const SPARE: f64 = 4e-6;
+
 /// A wheel of a wheelset on its rail, as on the right side of the track: y to the field side, z down.
 #[derive(Debug, Clone)]
 pub struct WheelsetSide {
@@ -160,7 +163,7 @@ impl WheelsetContact {
         let nodes = self.sides.each_ref().map(|side| rail_nodes(&side.rail, self.node_spacing));
         let surfaces = std::array::from_fn(|i| {
             let WheelsetSide { rail, node_line, wheel, wheel_radius, tape, .. } = &self.sides[i];
-            surface_of(rail, &nodes[i], *node_line, (wheel, *wheel_radius, *tape))
+            surface_of(rail, &nodes[i], *node_line, (wheel, *wheel_radius, *tape)).sparing(SPARE)
         });
         let outlines = std::array::from_fn(|i| {
             let WheelsetSide { rail, node_line, wheel, wheel_radius, tape, .. } = &self.sides[i];
@@ -310,7 +313,7 @@ impl AxleContacts<'_> {
             (off.x >= 0.0 && off.y > -SUNK).then(|| (wheel, Ok(carried(wheel))))
         };
         let beside = |wheel: usize| {
-            let ending = self.outlines[wheel].ending(&wheels[wheel], time)?;
+            let ending = self.outlines[wheel].ending_beyond(NEAR, &wheels[wheel], time)?;
             let Ending::Departed { departure, .. } = ending else { return Some((wheel, Err(ending))) };
             // where one wheel goes into the track, the other one's flange goes over its rail
             let other = 1 - wheel;
@@ -327,6 +330,9 @@ impl AxleContacts<'_> {
         turned.or_else(|| (0..2).find_map(over)).or_else(|| (0..2).find_map(beside))
     }
 }
+
+/// A wheel that has moved less against its rail is still over it, m; no profile is so narrow.
+const NEAR: f64 = 10e-3;
 
 /// A wheelset that rolls farther does not come back, rad: it stands on one wheel with the other one half a metre up.
 const OVERTURNED: f64 = 0.35;

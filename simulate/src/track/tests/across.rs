@@ -220,7 +220,7 @@ fn wheelsets_fall_on_two_rails_as_mirror_images() {
 }
 
 /// Source: statics. Goal: a wheelset pushed by 0 to 30 kN at the centre of the mass above stands in balance. The wheels carry the weight and the lateral force (N). On the axle the moments (N·m) of the contact
-/// forces at their places, of the suspensions and of the weight that has gone aside are in balance, as are those on the mass above. It stays there when the run goes on.
+/// forces at their places, of the suspensions and of the weight that has gone aside are in balance, and so are those on the mass above. It stays there when the run goes on.
 /// SOLVER: the balance of a step, 1e-8 of the forces, and that of the start, 1e-9; DISCRETISATION: the direction of a contact's force is that at its middle, a contact being no wider than 2 mm on radii of 13 mm and more.
 #[test]
 fn a_pushed_wheelset_is_in_balance() {
