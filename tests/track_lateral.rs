@@ -237,7 +237,6 @@ fn mistakes_are_named() {
     let single = with("kind = \"wheelset\"", "kind = \"wheel\"")
         .replace("roll_inertia_t_m2 = 1.0\n", "")
         .replace("suspended_roll_inertia_t_m2 = 6.0\n", "")
-        .replace("suspended_", "suspended_")
         .replace("side = \"left\"\n", "");
     for (study, key, said) in [
         (single, "wheel.kind", "a single wheel or a force does not move across the track"),

@@ -24,7 +24,7 @@ pub struct DerailmentRecord {
 #[derive(Debug, Clone)]
 pub enum LoadCase {
     /// In the vertical plane.
-    InPlane(TrackCase),
+    InPlane(Box<TrackCase>),
     /// A wheelset across the track.
     Across(Box<AcrossCase>),
 }

@@ -186,7 +186,7 @@ fn case(document: &TrackDocument, folder: &Path, found: &mut Found) -> Option<(L
         probes,
     };
     if lateral.is_none() {
-        return Some((LoadCase::InPlane(case), notes));
+        return Some((LoadCase::InPlane(Box::new(case)), notes));
     }
     let across = parts?.across(case, sideways, lateral_uneven, document);
     Some((LoadCase::Across(Box::new(across)), notes))
