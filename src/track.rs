@@ -19,7 +19,7 @@ mod page;
 mod make;
 
 pub use columns::TrackColumn;
-pub use make::{Made, made};
+pub use make::{TrackOutput, made};
 pub use outcome::{DerailmentRecord, LoadCase};
 pub use record::{Extreme, Figures, TrackRecord, Verification};
 pub use resolve::{TrackStudy, is_track};

@@ -57,7 +57,7 @@ fn a_hole_enters_the_rows_of_a_table() {
         let answer = place.run(&["table", "both.toml", "-o", run]);
         let text = said(&answer);
         assert_eq!(answer.status.code(), Some(1), "{text}{}", message(&answer));
-        assert!(text.contains("no sure surface: 1 places have findings"), "{text}");
+        assert!(text.contains("places with unresolved findings in their profiles: 1;"), "{text}");
         let mut reader = csv::Reader::from_path(place.path(&format!("{run}/table.csv"))).unwrap();
         let names = reader.headers().unwrap().clone();
         let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();

@@ -243,7 +243,7 @@ impl Springs {
         let ends = horizontal.and_then(|h| Some((h.points.first()?, h.points.last()?)));
         let missing =
             stiffness.horizontal_missing.iter().map(|why| format!("no horizontal stiffness: {why}"));
-        let unsure = stiffness.findings_left().into_iter().map(|left| format!("no sure surface: {left}"));
+        let unsure = stiffness.findings_left().into_iter().map(|left| format!("unresolved finding: {left}"));
         // the bands name them already
         let left = unsure.filter(|_| stiffness.error_band.is_none());
         let unbanded = stiffness.error_band.iter().flat_map(|band| &band.missing);

@@ -214,7 +214,7 @@ fn made(args: &TableArgs, table: &Table) -> Result<bool, Error> {
     let with_findings = made.iter().filter(|(_, record)| !record.findings_left.is_empty()).count();
     let unsure = (with_findings > 0).then(|| {
         format!(
-            "{with_findings} places have unresolved findings in their profiles: see the column findings_left of {}",
+            "places with unresolved findings in their profiles: {with_findings}; see the column findings_left of {}",
             folder.file(ROWS).display()
         )
     });

@@ -28,7 +28,7 @@ struct Earlier {
 
 /// What a run has become.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Made {
+pub struct TrackOutput {
     /// Its record.
     pub record: TrackRecord,
     /// Whether all its steps were done.
@@ -39,7 +39,7 @@ pub struct Made {
 ///
 /// # Errors
 /// Those of the run; an output folder with the results of a study of two profiles, or with a user's files, which this one would replace.
-pub fn made(study: &TrackStudy, folder: &OutputFolder, monitor: &dyn Monitor) -> Result<Made> {
+pub fn made(study: &TrackStudy, folder: &OutputFolder, monitor: &dyn Monitor) -> Result<TrackOutput> {
     if let Some(other) = [STIFFNESS, VERIFICATION].iter().find(|name| folder.file(name).exists()) {
         return InputError::refuse(
             "output folder",
@@ -62,5 +62,5 @@ pub fn made(study: &TrackStudy, folder: &OutputFolder, monitor: &dyn Monitor) ->
         (REPORT, page.into_bytes().into()),
     ])?;
     let completed = record.ending == "completed";
-    Ok(Made { record, completed })
+    Ok(TrackOutput { record, completed })
 }

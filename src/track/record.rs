@@ -5,7 +5,7 @@ use serde_json::Value;
 
 use super::columns::TrackColumn;
 use super::outcome::{DerailmentRecord, Outcome};
-use super::resolve::TrackStudy;
+use super::resolve::{FittedLaw, TrackStudy};
 use super::tables::FileRecord;
 use crate::version;
 
@@ -97,8 +97,24 @@ pub(super) fn record(study: &TrackStudy, outcome: &Outcome) -> TrackRecord {
         derailment: outcome.derailment.clone(),
         verification: Verification { verified: false, reason: outcome.unverified },
         figures: columns[2..].iter().filter_map(|column| figures(column, columns)).collect(),
-        notes: study.notes.iter().chain(&outcome.notes).cloned().collect(),
+        notes: study.law.iter().map(|law| range(law, columns)).chain(outcome.notes.iter().cloned()).collect(),
     }
+}
+
+/// Where a law was fitted, and how far the vertical forces leave that.
+fn range(law: &FittedLaw, columns: &[TrackColumn]) -> String {
+    let FittedLaw { file, range_kn: [least, most] } = law;
+    let forces = columns.iter().filter(|column| column.name == "p_kn" || column.name.ends_with("_p_kn"));
+    // a wheel in the air has no force
+    let loaded = forces.flat_map(|column| column.values.iter().copied()).filter(|force| *force > 0.0);
+    let [low, high] =
+        loaded.fold([f64::INFINITY, 0.0], |[low, high], force| [force.min(low), force.max(high)]);
+    if low < *least || high > *most {
+        return format!(
+            "P from {low:.3} to {high:.3} kN leaves the range of the law of {file}, {least} to {most} kN: beyond, it is extrapolated"
+        );
+    }
+    format!("the law of {file} was fitted from {least} to {most} kN, which P does not leave")
 }
 
 /// The extremes of a column; none of one without values.
@@ -115,4 +131,25 @@ fn figures(column: &TrackColumn, columns: &[TrackColumn]) -> Option<Figures> {
         smallest: of(|a, b| a < b)?,
         largest: of(|a, b| a > b)?,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Goal: forces beyond those that a law was fitted to are said, those of a wheel in the air are none. Unit: kN.
+    #[test]
+    fn forces_beyond_the_law_are_said() {
+        let law = FittedLaw { file: "a.json".into(), range_kn: [1.0, 150.0] };
+        let said = |name: &str, values: &[f64]| {
+            let column = TrackColumn { name: name.into(), text: String::new(), values: values.to_vec() };
+            range(&law, &[column])
+        };
+        assert!(said("p_kn", &[0.0, 2.0, 150.0]).contains("which P does not leave"));
+        assert!(
+            said("left_p_kn", &[0.0, 2.0, 211.6]).contains("P from 2.000 to 211.600 kN leaves the range")
+        );
+        assert!(said("right_p_kn", &[0.5]).contains("leaves"));
+        assert!(said("p_mm", &[500.0]).contains("does not leave"));
+    }
 }

@@ -40,10 +40,19 @@ pub struct TrackStudy {
     pub case: LoadCase,
     /// The files that it reads.
     pub files: Vec<FileRecord>,
-    /// What has to be said about it.
-    pub notes: Vec<String>,
+    /// The law of a calibration, if it has one.
+    pub law: Option<FittedLaw>,
     /// Where its keys stand.
     pub source: Source,
+}
+
+/// A law of a calibration.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FittedLaw {
+    /// Its file as the study names it.
+    pub file: String,
+    /// Smallest and largest force that it was fitted to, kN.
+    pub range_kn: [f64; 2],
 }
 
 /// Whether a file is a track study, or wants to be one: it says its `kind`. A file that cannot be read is none.
@@ -77,7 +86,7 @@ impl TrackStudy {
         let made = case(&document, &folder, &mut found);
         let Found { mistakes, files } = found;
         match made {
-            Some((case, notes)) if mistakes.is_empty() => Ok(Self { document, case, files, notes, source }),
+            Some((case, law)) if mistakes.is_empty() => Ok(Self { document, case, files, law, source }),
             _ => {
                 let located: Vec<LocatedError> =
                     mistakes.into_iter().map(|mistake| source.locate(mistake)).collect();
@@ -109,7 +118,7 @@ impl TrackStudy {
     }
 }
 
-fn case(document: &TrackDocument, folder: &Path, found: &mut Found) -> Option<(LoadCase, Vec<String>)> {
+fn case(document: &TrackDocument, folder: &Path, found: &mut Found) -> Option<(LoadCase, Option<FittedLaw>)> {
     found.took(check_name(&document.name));
     let track = track(document).map_err(|mistakes| found.mistakes.extend(mistakes)).ok();
     let running = found.took(running(&document.wheel));
@@ -147,7 +156,7 @@ fn case(document: &TrackDocument, folder: &Path, found: &mut Found) -> Option<(L
         .enumerate()
         .filter_map(|(index, keys)| found.took(probe(index, keys, document, wheels)))
         .collect();
-    let (track, running, (law, files, notes), start) = (track?, running?, law?, start?);
+    let (track, running, (law, files, fitted), start) = (track?, running?, law?, start?);
     found.files.extend(files);
     let length = track.as_ref().map_or(f64::INFINITY, |track| track.length);
     if !(0.0..=length).contains(&run.start_x_m) {
@@ -186,10 +195,10 @@ fn case(document: &TrackDocument, folder: &Path, found: &mut Found) -> Option<(L
         probes,
     };
     if lateral.is_none() {
-        return Some((LoadCase::InPlane(Box::new(case)), notes));
+        return Some((LoadCase::InPlane(Box::new(case)), fitted));
     }
     let across = parts?.across(case, sideways, lateral_uneven, document);
-    Some((LoadCase::Across(Box::new(across)), notes))
+    Some((LoadCase::Across(Box::new(across)), fitted))
 }
 
 fn check_name(name: &str) -> Result<()> {
@@ -279,8 +288,8 @@ fn running(keys: &WheelKeys) -> Result<Running> {
     }
 }
 
-/// The law with the files that it is from, and what has to be said about it.
-fn law(keys: &ContactKeys, folder: &Path) -> Result<(NormalLaw, Vec<FileRecord>, Vec<String>)> {
+/// The law with the files that it is from, and what it was fitted to.
+fn law(keys: &ContactKeys, folder: &Path) -> Result<(NormalLaw, Vec<FileRecord>, Option<FittedLaw>)> {
     let given = [
         ("stiffness_kn_per_m", keys.stiffness_kn_per_m.is_some(), LawKey::Linear),
         ("hertz_gn_per_m15", keys.hertz_gn_per_m15.is_some(), LawKey::Hertz),
@@ -334,11 +343,11 @@ fn law(keys: &ContactKeys, folder: &Path) -> Result<(NormalLaw, Vec<FileRecord>,
                 return of_file(name, &folder.join(name));
             }
         };
-    Ok((plain(law)?.into(), Vec::new(), Vec::new()))
+    Ok((plain(law)?.into(), Vec::new(), None))
 }
 
 /// The law of a calibration.
-fn of_file(name: &str, path: &Path) -> Result<(NormalLaw, Vec<FileRecord>, Vec<String>)> {
+fn of_file(name: &str, path: &Path) -> Result<(NormalLaw, Vec<FileRecord>, Option<FittedLaw>)> {
     const KEY: &str = "contact.law_file";
     let refused =
         |expected: String, remedy: &str| InputError::new(KEY, format!("{name:?}"), expected, remedy);
@@ -359,11 +368,9 @@ fn of_file(name: &str, path: &Path) -> Result<(NormalLaw, Vec<FileRecord>, Vec<S
     }
     let law = StiffnessLaw::try_from(record.law.constants)
         .map_err(|error| refused(format!("constants of a law: {error}"), "calibrate again"))?;
-    let [least, most] = record.law.range_kn;
     let bytes = std::fs::read(path).unwrap_or_default();
     let file = FileRecord { key: KEY.into(), file: name.into(), blake3: hash(&bytes) };
-    let note = format!("the law of {name} was fitted from {least} to {most} kN");
-    Ok((law.into(), vec![file], vec![note]))
+    Ok((law.into(), vec![file], Some(FittedLaw { file: name.into(), range_kn: record.law.range_kn })))
 }
 
 fn start(keys: &RunKeys) -> Result<Start> {

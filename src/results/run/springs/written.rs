@@ -163,6 +163,8 @@ impl WrittenLaw {
 }
 
 fn wrong(name: &str, key: &str, value: f64, expected: &str) -> InputError {
+    // not with three hundred digits
+    let value = if value.abs() < 1e16 { value.to_string() } else { format!("{value:e}") };
     InputError::new(format!("{name}: {key}"), value, expected, "correct the file")
 }
 
