@@ -42,7 +42,7 @@ pub struct RailTorsion {
     pub moment: TimeFunction,
 }
 
-/// A place of a rail whose motion is told.
+/// A place of a rail whose motion is recorded.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ProbeAcross {
     /// Name.
@@ -86,7 +86,7 @@ pub struct AcrossCase {
     pub way: Way,
     /// How it begins.
     pub start: StartAcross,
-    /// Places whose motion is told.
+    /// Places whose motion is recorded.
     pub probes: Vec<ProbeAcross>,
 }
 

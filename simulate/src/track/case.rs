@@ -22,7 +22,7 @@ pub enum Start {
     },
 }
 
-/// A place whose motion is told.
+/// A place whose motion is recorded.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Probe {
     /// Name.
@@ -73,7 +73,7 @@ pub struct TrackCase {
     pub way: Way,
     /// How it begins.
     pub start: Start,
-    /// Places whose motion is told.
+    /// Places whose motion is recorded.
     pub probes: Vec<Probe>,
 }
 

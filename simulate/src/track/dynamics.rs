@@ -75,8 +75,25 @@ pub(super) fn gains(scheme: &Newmark) -> [f64; 2] {
     [1.0 / scheme.acceleration, scheme.velocity / scheme.acceleration]
 }
 
+/// Replaces the equation of a fixed degree of freedom by its own displacement.
+pub(super) fn hold<const N: usize>(elements: &mut [ElementBlocks<N>], node: usize, dof: usize) {
+    if node > 0 {
+        let [_, across, second] = &mut elements[node - 1];
+        across.column_mut(dof).fill(0.0);
+        second.row_mut(dof).fill(0.0);
+        second.column_mut(dof).fill(0.0);
+        second[(dof, dof)] = 1.0;
+    }
+    if let Some([first, across, _]) = elements.get_mut(node) {
+        across.row_mut(dof).fill(0.0);
+        first.row_mut(dof).fill(0.0);
+        first.column_mut(dof).fill(0.0);
+        first[(dof, dof)] = 1.0;
+    }
+}
+
 /// Stiffness and damping with the gains of displacement and velocity.
-fn with(kelvin: &Kelvin, [of_u, of_v]: [f64; 2]) -> f64 {
+pub(super) fn with(kelvin: &Kelvin, [of_u, of_v]: [f64; 2]) -> f64 {
     kelvin.stiffness * of_u + kelvin.damping * of_v
 }
 
@@ -229,26 +246,9 @@ impl<'a, const N: usize> TrackDynamics<'a, N> {
             }
         }
         for &(node, dof) in &self.held {
-            self.hold(&mut elements, node, dof);
+            hold(&mut elements, node, dof);
         }
         ChainFactor::of_elements(elements, [[false; N]; 2])
-    }
-
-    /// Puts the equation of a coordinate that does not move in the place of its own.
-    fn hold(&self, elements: &mut [ElementBlocks<N>], node: usize, dof: usize) {
-        if node > 0 {
-            let [_, across, second] = &mut elements[node - 1];
-            across.column_mut(dof).fill(0.0);
-            second.row_mut(dof).fill(0.0);
-            second.column_mut(dof).fill(0.0);
-            second[(dof, dof)] = 1.0;
-        }
-        if let Some([first, across, _]) = elements.get_mut(node) {
-            across.row_mut(dof).fill(0.0);
-            first.row_mut(dof).fill(0.0);
-            first.column_mut(dof).fill(0.0);
-            first[(dof, dof)] = 1.0;
-        }
     }
 
     /// Adds what acts on the nodes in a motion without acceleration. Each mass between layers gets the force on it in the place of its acceleration.

@@ -6,31 +6,20 @@ use crate::time::newmark::{Motion, Newmark};
 use crate::time::scenario::Kelvin;
 use railspring_calibrate::beam::{ChainFactor, ElementBlocks, Entry, Meeting, product};
 
-use super::dynamics::gains;
+use super::dynamics::{gains, hold, with};
 use super::state::Rows;
 
 /// Numbers of both rails: the right one's, then the left one's.
 pub(super) type Both = [f64; 2];
 
 /// Motion of both rails in one plane.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct PlaneState<const N: usize> {
     pub displacements: Vec<[Both; N]>,
     pub velocities: Vec<[Both; N]>,
     pub accelerations: Vec<[Both; N]>,
     /// Displacement, velocity and acceleration of the masses between layers; at rest where there is none.
     pub masses: Vec<[Both; 3]>,
-}
-
-impl<const N: usize> Default for PlaneState<N> {
-    fn default() -> Self {
-        Self {
-            displacements: Vec::new(),
-            velocities: Vec::new(),
-            accelerations: Vec::new(),
-            masses: Vec::new(),
-        }
-    }
 }
 
 /// Where a support holds a chain, and how.
@@ -91,10 +80,6 @@ pub(super) struct Plane<const N: usize> {
     pub held: Vec<(usize, usize)>,
     /// What an acceleration of the ground acts on, kg.
     pub weights: Vec<[f64; N]>,
-}
-
-fn with(kelvin: &Kelvin, [of_u, of_v]: [f64; 2]) -> f64 {
-    kelvin.stiffness * of_u + kelvin.damping * of_v
 }
 
 #[inline]
@@ -340,23 +325,6 @@ impl<const N: usize> Seat<N> {
         let Some((own, layer)) = &self.below else { return upper };
         let all = own * mass + upper + with(layer, gains);
         if all == 0.0 { 0.0 } else { upper - upper * upper / all }
-    }
-}
-
-/// Puts the equation of a coordinate that does not move in the place of its own.
-fn hold<const N: usize>(elements: &mut [ElementBlocks<N>], node: usize, dof: usize) {
-    if node > 0 {
-        let [_, across, second] = &mut elements[node - 1];
-        across.column_mut(dof).fill(0.0);
-        second.row_mut(dof).fill(0.0);
-        second.column_mut(dof).fill(0.0);
-        second[(dof, dof)] = 1.0;
-    }
-    if let Some([first, across, _]) = elements.get_mut(node) {
-        across.row_mut(dof).fill(0.0);
-        first.row_mut(dof).fill(0.0);
-        first.column_mut(dof).fill(0.0);
-        first[(dof, dof)] = 1.0;
     }
 }
 

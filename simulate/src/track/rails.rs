@@ -1,7 +1,7 @@
 //! Both rails of a track in all directions across it: bending in two planes, and torsion.
 //!
 //! The rails are alike and loaded at the same place, so that they have the same equations, and every number stands for both: the right one's, then the left one's.
-//! Each is seen as a right one, lateral displacements towards its field side. In the axes of its section a rail bends vertically by itself; only sway and twist are
+//! Each is treated as a right one, lateral displacements towards its field side. In the axes of its section a rail bends vertically by itself; only sway and twist are
 //! coupled, by the distance of the centroid from the node line and by supports at the foot. So there are two chains, of two and of three degrees of freedom a node.
 
 use nalgebra::{Matrix3, Vector3};

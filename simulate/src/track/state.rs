@@ -8,24 +8,13 @@ use super::structure::Row4;
 pub(super) type Rows<const N: usize> = [[f64; N]; 2];
 
 /// Motion of a track against the ground.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct TrackState<const N: usize> {
     pub(super) displacements: Vec<[f64; N]>,
     pub(super) velocities: Vec<[f64; N]>,
     pub(super) accelerations: Vec<[f64; N]>,
     /// The masses between layers; at rest where there is none.
     pub(super) masses: Vec<Motion>,
-}
-
-impl<const N: usize> Default for TrackState<N> {
-    fn default() -> Self {
-        Self {
-            displacements: Vec::new(),
-            velocities: Vec::new(),
-            accelerations: Vec::new(),
-            masses: Vec::new(),
-        }
-    }
 }
 
 #[cfg(test)]

@@ -121,7 +121,7 @@ pub(super) struct ContactSurface<'a> {
     bounds: Vec<f64>,
     /// Largest distance of a slave from its master.
     arm: f64,
-    /// Beyond its predicted motion a step may move this far before nodes are listed anew, m.
+    /// Beyond its predicted motion a step may move this far before the nodes are listed again, m.
     spare: f64,
 }
 
@@ -131,7 +131,7 @@ const NEAR: f64 = 2e-3;
 /// The iteration for a foot ends with a shorter step, m.
 const SETTLED: f64 = 1e-9;
 
-/// How far a step may move beyond its predicted motion before nodes are listed anew, unless something else is said, m.
+/// How far a step may move beyond its predicted motion before the nodes are listed again, if no other length is given, m.
 const LEAST_REACH: f64 = 50e-6;
 
 /// A vector of the wheel's profile frame in directions 1 and 2.
@@ -172,7 +172,7 @@ impl<'a> ContactSurface<'a> {
         }
     }
 
-    /// The same with another way that a step may move beyond its predicted motion before nodes are listed anew, m: a short one makes short lists.
+    /// The same with another way that a step may move beyond its predicted motion before the nodes are listed again, m: a short one makes short lists.
     pub fn sparing(self, spare: f64) -> Self {
         Self { spare, ..self }
     }

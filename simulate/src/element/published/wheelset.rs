@@ -1,6 +1,6 @@
 //! The contacts of two wheels on one axle, each with its element on its own rail.
 //!
-//! Each side is seen as a right one: direction 1 is towards its own field side, so that both sides are the same element, and the mirror image of a step has
+//! Each side is treated as a right one: direction 1 is towards its own field side, so that both sides are the same element, and the mirror image of a step has
 //! the same numbers with the sides exchanged, to the last bit. The axle is rigid; it moves across the track, up and down, and rolls.
 
 use std::cell::Cell;
@@ -28,7 +28,7 @@ const EVALUATIONS_A_TRY: usize = 400;
 /// And with the friction limits of its start, which always settles.
 const EVALUATIONS_IN_THE_END: usize = 4000;
 
-/// A step moves the wheels no farther beyond their predicted motion before rail nodes are listed anew, m: most steps do not.
+/// A step moves the wheels no farther beyond their predicted motion before the rail nodes are listed again, m: most steps do not.
 const SPARE: f64 = 4e-6;
 
 /// A wheel of a wheelset on its rail, as on the right side of the track: y to the field side, z down.
@@ -143,7 +143,7 @@ impl AxleStep {
 /// How a step is solved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Friction {
-    /// With the friction limits of its own normal forces.
+    /// With Coulomb friction of the normal forces at its end.
     Coulomb,
     /// With those of its start, for a step that is short.
     OfTheStart,
