@@ -245,7 +245,7 @@ fn the_end_of_the_rail_is_a_result() {
     assert!(record["notes"][0].as_str().unwrap().contains("end of the rail"), "{record}");
 }
 
-/// Goal: mistakes are said with file, line and key, what was expected and a remedy; exit code 2, and nothing is written.
+/// Goal: mistakes are reported with file, line and key, what was expected and a remedy; exit code 2, and nothing is written.
 #[test]
 fn mistakes_are_named() {
     let place = Place::new();

@@ -215,7 +215,7 @@ fn the_mean_ratio_begins_after_two_metres() {
     assert!(record(&place)["figures"].as_array().unwrap().iter().all(|f| f["column"] != "right_q_over_p_2m"));
 }
 
-/// Goal: mistakes are said with file, line and key, what was expected and a remedy; exit code 2, and nothing is written.
+/// Goal: mistakes are reported with file, line and key, what was expected and a remedy; exit code 2, and nothing is written.
 #[test]
 fn mistakes_are_named() {
     let place = Place::new();

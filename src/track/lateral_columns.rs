@@ -4,12 +4,10 @@ use railspring_profiles::units::{KILONEWTON, MILLIMETRE};
 use railspring_simulate::track::{AcrossCase, AcrossRow, AcrossRun, RailSeen, WheelAcross};
 
 use super::columns::TrackColumn;
-use crate::verify::low_passed;
+use crate::verify::{WINDOW, low_passed};
 
 /// A milliradian, rad.
 const MILLIRADIAN: f64 = 1e-3;
-/// Length over which Q/P is averaged by EN 14363, m.
-const WINDOW: f64 = 2.0;
 
 /// A number where there is one.
 fn only(value: f64, there: bool) -> f64 {

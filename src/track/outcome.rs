@@ -58,22 +58,6 @@ impl Outcome {
 }
 
 impl LoadCase {
-    /// The load case in the vertical plane, if it is one.
-    pub fn in_plane(&self) -> Option<&TrackCase> {
-        match self {
-            Self::InPlane(case) => Some(case),
-            Self::Across(_) => None,
-        }
-    }
-
-    /// The load case across the track, if it is one.
-    pub fn across(&self) -> Option<&AcrossCase> {
-        match self {
-            Self::InPlane(_) => None,
-            Self::Across(case) => Some(case),
-        }
-    }
-
     /// Runs it.
     pub(super) fn run(&self, monitor: &dyn Monitor) -> Result<Outcome> {
         Ok(match self {

@@ -137,7 +137,7 @@ fn figures(column: &TrackColumn, columns: &[TrackColumn]) -> Option<Figures> {
 mod tests {
     use super::*;
 
-    /// Goal: forces beyond those that a law was fitted to are said, those of a wheel in the air are none. Unit: kN.
+    /// Goal: forces beyond those that a law was fitted to are reported, and a wheel in the air has none. Unit: kN.
     #[test]
     fn forces_beyond_the_law_are_said() {
         let law = FittedLaw { file: "a.json".into(), range_kn: [1.0, 150.0] };

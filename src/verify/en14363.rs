@@ -17,7 +17,7 @@ const CUTOFF: f64 = 20.0;
 /// Fewest steps in a period of that frequency.
 const LEAST_STEPS: f64 = 10.0;
 /// Length over which the ratio is averaged, m.
-const WINDOW: f64 = 2.0;
+pub const WINDOW: f64 = 2.0;
 /// Distance of the windows, m.
 const APART: f64 = 0.5;
 /// Shares of the values below the percentiles.
