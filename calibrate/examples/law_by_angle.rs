@@ -20,6 +20,7 @@ pub fn laws(options: &FitOptions) -> Result<Vec<ShiftLaw>, Error> {
         direction: PressDirection::Normal,
         loads: &[10e3, 20e3, 40e3, 60e3],
         fixed_loads: &[40e3],
+        stresses: false,
     };
     law_by_shift(&pair, &bodies, &settings, &SHIFTS.map(|shift| pair.tape_y + shift), &Silent)
 }

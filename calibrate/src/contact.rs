@@ -67,6 +67,7 @@ mod convolution;
 mod near_field;
 mod hybrid;
 mod state;
+mod mirrored;
 mod dense;
 mod gmres;
 mod iterative;

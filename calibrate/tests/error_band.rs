@@ -147,7 +147,8 @@ fn the_band_on_the_flange_holds_what_a_finer_computation_changes() {
     for friction in [0.05, 0.6] {
         let contact = ContactConditions { friction, ..contact(ContactField::Hybrid) };
         let (direction, fixed_loads) = (PressDirection::Normal, &FIXED[..]);
-        let settings = AngleSettings { contact, direction, loads: &ANGLE_LOADS, fixed_loads };
+        let settings =
+            AngleSettings { contact, direction, loads: &ANGLE_LOADS, fixed_loads, stresses: false };
         let laws = by_shift(&pair, &base, &settings, &shifts);
         let finer = by_shift(&pair, &fine, &settings, &shifts);
         let changed = changed_by_shift(&pair, &base, Some(&coarser), &[], &settings, &laws, &Silent).unwrap();
@@ -206,6 +207,7 @@ fn the_place_of_the_calibration_has_its_bands() {
         direction: PressDirection::Vertical,
         loads: &LOADS,
         fixed_loads,
+        stresses: false,
     };
     let entries = by_shift(&pair, &base, &settings, &[0.0]);
     let changed = changed_by_shift(&pair, &base, Some(&coarser), &[], &settings, &entries, &Silent).unwrap();

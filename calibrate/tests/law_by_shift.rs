@@ -41,7 +41,7 @@ fn settings(friction: f64, direction: PressDirection) -> AngleSettings<'static> 
 
 fn settings_in(field: ContactField, friction: f64, direction: PressDirection) -> AngleSettings<'static> {
     let contact = ContactConditions { friction, enforcement: Enforcement::Exact, field };
-    AngleSettings { contact, direction, loads: &LOADS, fixed_loads: &FIXED }
+    AngleSettings { contact, direction, loads: &LOADS, fixed_loads: &FIXED, stresses: false }
 }
 
 fn laws(pair: &Pair, bodies: &CondensedPair, settings: &AngleSettings, shifts: &[f64]) -> Vec<ShiftLaw> {

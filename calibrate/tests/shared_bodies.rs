@@ -33,8 +33,13 @@ fn condensed(pair: &Pair) -> CondensedPair {
 fn law(pair: &Pair, bodies: &CondensedPair, shift: f64) -> AngleLaw {
     let contact =
         ContactConditions { friction: 0.4, enforcement: Enforcement::Exact, field: ContactField::Hybrid };
-    let settings =
-        AngleSettings { contact, direction: PressDirection::Vertical, loads: &LOADS, fixed_loads: &[70e3] };
+    let settings = AngleSettings {
+        contact,
+        direction: PressDirection::Vertical,
+        loads: &LOADS,
+        fixed_loads: &[70e3],
+        stresses: false,
+    };
     let found = law_by_shift(pair, bodies, &settings, &[pair.tape_y + shift], &Silent).unwrap();
     found.into_iter().next().unwrap().law.unwrap()
 }

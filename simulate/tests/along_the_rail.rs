@@ -69,6 +69,7 @@ fn element(pair: &Pair, rail: CondensedBody, wheel: CondensedBody) -> (PairEleme
         direction: PressDirection::Normal,
         loads: &loads,
         fixed_loads: &loads[1..],
+        stresses: false,
     };
     let shifts =
         [-4e-3, -2e-3, 0.0, 2e-3, 4e-3, 6e-3, 6.5e-3, 6.58e-3, 7e-3].map(|shift| pair.tape_y + shift);

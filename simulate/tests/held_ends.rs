@@ -56,6 +56,7 @@ fn track() -> Track {
         direction: PressDirection::Normal,
         loads: &loads,
         fixed_loads: &[LOAD],
+        stresses: false,
     };
     let laws = law_by_shift(&pair, &bodies, &settings, &[pair.tape_y, pair.tape_y + 6e-3], &Silent).unwrap();
     let places: Vec<PlaceApproaches> = laws.iter().filter_map(PlaceApproaches::of).collect();

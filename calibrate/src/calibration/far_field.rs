@@ -41,7 +41,13 @@ pub(super) struct FarField {
     wheel: Vector2<f64>,
     /// Which of the points stands at each node of the rail's grid.
     slot: Vec<Option<usize>>,
+    /// Whether it is its own mirror image along the track, but for [`ALIKE`].
+    pub is_mirrored: bool,
 }
+
+/// Part of its largest value by which a far field may differ from its mirror image: the last digits of a condensed body. The difference acts on both sides the opposite
+/// way, so that forces and hub have the square of it.
+const ALIKE: f64 = 1e-5;
 
 /// The rail turns by as much before a far field without friction is made again, rad: one with normal directions alone does not turn with
 /// the points, and the forces on the bodies keep its directions.
@@ -70,7 +76,8 @@ impl FarField {
         let Some([of_rail, of_wheel]) = solids.bodies else {
             let size = directions * points.len();
             let bodies = [Mat::zeros(size, size), Mat::zeros(size, size)];
-            return Self { points, sum: Arc::new(bodies[0].clone()), bodies, nodes, turn, wheel, slot };
+            let sum = Arc::new(bodies[0].clone());
+            return Self { points, sum, bodies, nodes, turn, wheel, slot, is_mirrored: true };
         };
         let stand_ins = StandIns { points: &points, slot: &slot, columns };
         let of = |body: &dyn NodalCompliance, side| {
@@ -92,7 +99,9 @@ impl FarField {
         }
         let sum =
             Mat::from_fn(rail_part.nrows(), rail_part.ncols(), |r, c| rail_part[(r, c)] + wheel_part[(r, c)]);
-        Self { points, bodies: [rail_part, wheel_part], sum: Arc::new(sum), nodes, turn, wheel, slot }
+        let is_mirrored = is_mirrored(&sum, &points, &slot, columns);
+        let bodies = [rail_part, wheel_part];
+        Self { points, bodies, sum: Arc::new(sum), nodes, turn, wheel, slot, is_mirrored }
     }
 
     /// Whether the wheel has slid past the rail by less than [`FAR_SLIDE`] since it was made.
@@ -132,6 +141,29 @@ impl FarField {
         let body = if side == Side::Base { rail } else { wheel };
         times(body, forces).iter().zip(forces).map(|(u, f)| u * f).sum()
     }
+}
+
+/// Whether the values of mirror images along the track are alike, on a grid with so many lines along the track. A point at the end of the surfaces may have no mirror image: the
+/// points of a contact that have shares in it have none either.
+fn is_mirrored(sum: &Mat<f64>, points: &[ContactPoint], slot: &[Option<usize>], columns: usize) -> bool {
+    let n = points.len();
+    let twins: Vec<Option<usize>> = points
+        .iter()
+        .map(|point| {
+            let twin = slot[point.index.0 * columns + columns - 1 - point.index.1]?;
+            let apart = points[twin].position.y + point.position.y;
+            (apart.abs() < 1e-9 * point.widths.y).then_some(twin)
+        })
+        .collect();
+    let largest = (0..sum.nrows()).fold(0.0_f64, |m, row| m.max(sum[(row, row)].abs()));
+    let twin_of = |row: usize| Some(row / n * n + twins[row % n]?);
+    // along the track the mirror image has the opposite direction
+    let sign = |row: usize| if row / n == 2 { -1.0 } else { 1.0 };
+    (0..sum.ncols()).filter_map(|c| Some((c, twin_of(c)?))).all(|(c, mirrored)| {
+        let (column, mirrored) = (sum.col_as_slice(c), sum.col_as_slice(mirrored));
+        let odd = |r: usize| twin_of(r).map_or(0.0, |twin| column[r] - sign(r) * sign(c) * mirrored[twin]);
+        (0..column.len()).all(|r| odd(r).abs() <= ALIKE * largest)
+    })
 }
 
 /// Lines of the grid, in either direction, over which an element mesh does not resolve a half-space: the difference of

@@ -3,10 +3,10 @@
 use super::far_field::{FarField, Solids};
 use crate::contact::{
     ComplianceOperator, ContactPoint, HalfSpace, Hybrid, Lattice, NearField, Share, Shares, Side, corners,
-    displacement_far_from, nodal_forces,
+    nodal_forces,
 };
 use crate::mesh::SurfaceGrid;
-use nalgebra::{Point2, Vector2, Vector3};
+use nalgebra::{Point2, Vector2};
 use railspring_profiles::error::StopReason;
 use std::sync::Arc;
 
@@ -34,7 +34,8 @@ impl FineContact {
         directions: usize,
     ) -> (Vec<ContactPoint>, Self) {
         let rail = &solids.rail_surface;
-        let cells = cells_at(rail.grid, region);
+        let region = with_mirror_image(region, rail.grid);
+        let cells = cells_at(rail.grid, &region);
         let columns = rail.grid.along_track.len();
         let mut needed = vec![false; region.len()];
         for &(i, k) in &cells {
@@ -57,14 +58,18 @@ impl FineContact {
             }));
             true
         });
-        let near = displaced.near(&far, &points, &shares, directions);
+        let mut near = displaced.near(&far, &points, &shares, directions);
+        if far.is_mirrored {
+            near = with_twins(&near, &points, &lattice);
+        }
         let mut keep = near.iter();
         points.retain(|_| *keep.next().unwrap_or(&false));
         let mut keep = near.iter();
         shares.retain(|_| *keep.next().unwrap_or(&false));
         let near = NearField::on_grid(lattice.cell, &solids.half_spaces, &points, directions);
         let same_far = known.filter(|known| Arc::ptr_eq(&known.far, &far));
-        let hybrid = Hybrid::new(near, &far.sum, shares, same_far.map(|known| &known.hybrid));
+        let hybrid = Hybrid::new(near, &far.sum, shares, same_far.map(|known| &known.hybrid))
+            .mirrored(far.is_mirrored);
         (points, Self { lattice, far, hybrid, half_spaces: solids.half_spaces })
     }
 
@@ -88,7 +93,8 @@ impl FineContact {
         });
         let directions = self.hybrid.rows().checked_div(self.hybrid.points()).unwrap_or(1);
         let near = NearField::on_grid(lattice.cell, &self.half_spaces, &points, directions);
-        let hybrid = Hybrid::new(near, &self.far.sum, shares, Some(&self.hybrid));
+        let hybrid =
+            Hybrid::new(near, &self.far.sum, shares, Some(&self.hybrid)).mirrored(self.far.is_mirrored);
         (points, Self { lattice, far: self.far.clone(), hybrid, half_spaces: self.half_spaces })
     }
 
@@ -179,7 +185,8 @@ impl FineContact {
     }
 
     /// Lateral displacement and that along the track (m) of the opposing surface against the base at other `points`, with
-    /// the compliance of the points `own` under their `forces`; `to` is the grid of those other points.
+    /// the compliance of the points `own` under their `forces`; `to` is the grid of those other points. Beyond the points `own` there are the half-spaces between nodes of
+    /// their grid, and the far field of the other grid.
     pub fn tangential_at(
         &self,
         own: &[ContactPoint],
@@ -189,51 +196,67 @@ impl FineContact {
         points: &[ContactPoint],
     ) -> Vec<Vector2<f64>> {
         let n = own.len();
+        let place = Numbers::of(own);
+        let corners: Vec<[((usize, usize), f64); 4]> =
+            points.iter().map(|point| corners_around(&self.lattice, &point.position)).collect();
+        let is_own = |corners: &[((usize, usize), f64); 4]| {
+            corners.iter().all(|(node, weight)| *weight <= LEAST_WEIGHT || place.at(*node).is_some())
+        };
         let mut motion = vec![0.0; forces.len()];
         self.hybrid.add_product(forces, &mut motion);
-        let place = Numbers::of(own);
-        // beyond the grid: point forces on the half-spaces, and the far field of the other grid
-        let loads: Vec<(usize, Vector3<f64>)> = (0..n)
-            .map(|j| (j, Vector3::from_fn(|d, _| forces[d * n + j])))
-            .filter(|(_, force)| *force != Vector3::zeros())
-            .collect();
+        let beyond: Vec<usize> = (0..points.len()).filter(|&j| !is_own(&corners[j])).collect();
+        let carrying: Vec<usize> = (0..n).filter(|&j| (0..3).any(|d| forces[d * n + j] != 0.0)).collect();
+        let mut wanted: Vec<(usize, usize)> =
+            beyond.iter().flat_map(|&j| corners[j]).map(|(node, _)| node).collect();
+        wanted.sort_unstable();
+        wanted.dedup();
+        let near = self.hybrid.near().seen_from(&carrying, &wanted, |row| {
+            let (d, j) = (row / carrying.len(), carrying[row % carrying.len()]);
+            forces[d * n + j]
+        });
+        let far = if beyond.is_empty() { Vec::new() } else { to.far_under(own, forces, &carrying, solids) };
         let rows = to.far.points.len();
-        let mut far: Option<Vec<f64>> = None;
-        let mut beyond = |point: &ContactPoint| -> Vector2<f64> {
-            let far = far.get_or_insert_with(|| {
-                let mut carried = vec![0.0; to.far.sum.nrows()];
-                for (j, force) in &loads {
-                    let Some((shares, _)) = to.far.shares(&solids.rail_surface, &own[*j].position) else {
-                        continue;
-                    };
-                    for (coarse, weight) in shares {
-                        (0..3).for_each(|d| carried[d * rows + coarse] += weight * force[d]);
-                    }
-                }
-                crate::superelement::times(&to.far.sum, &carried)
-            });
-            let mut sum = Vector3::zeros();
-            for (j, force) in &loads {
-                let offset = point.position - own[*j].position;
-                sum += displacement_far_from(&self.half_spaces, &offset, force);
-            }
-            if let Some((shares, _)) = to.far.shares(&solids.rail_surface, &point.position) {
-                for (coarse, weight) in shares {
-                    (1..3).for_each(|d| sum[d] += weight * far[d * rows + coarse]);
-                }
-            }
-            sum.yz()
-        };
-        points
+        let mut found: Vec<Vector2<f64>> = corners
             .iter()
-            .map(|point| match around(&self.lattice, &place, &point.position) {
-                Some(corners) => corners
-                    .iter()
-                    .map(|&(j, weight)| Vector2::new(motion[n + j], motion[2 * n + j]) * weight)
-                    .sum(),
-                None => beyond(point),
+            .map(|corners| {
+                let own = corners.iter().filter_map(|(node, weight)| Some((place.at(*node)?, *weight)));
+                own.map(|(j, weight)| Vector2::new(motion[n + j], motion[2 * n + j]) * weight).sum()
             })
-            .collect()
+            .collect();
+        for j in beyond {
+            let at = |(node, weight): &((usize, usize), f64)| {
+                let place = wanted.binary_search(node).expect("one of the nodes that are wanted");
+                Vector2::new(near[wanted.len() + place], near[2 * wanted.len() + place]) * *weight
+            };
+            found[j] = corners[j].iter().map(at).sum();
+            if let Some((shares, _)) = to.far.shares(&solids.rail_surface, &points[j].position) {
+                for (coarse, weight) in shares {
+                    found[j] += Vector2::new(far[rows + coarse], far[2 * rows + coarse]) * weight;
+                }
+            }
+        }
+        found
+    }
+
+    /// Displacements of the points of this far field under the `forces` of points of another grid, m, by direction and point.
+    fn far_under(
+        &self,
+        points: &[ContactPoint],
+        forces: &[f64],
+        carrying: &[usize],
+        solids: &Solids,
+    ) -> Vec<f64> {
+        let (n, rows) = (points.len(), self.far.points.len());
+        let mut carried = vec![0.0; self.far.sum.nrows()];
+        for &j in carrying {
+            let Some((shares, _)) = self.far.shares(&solids.rail_surface, &points[j].position) else {
+                continue;
+            };
+            for (coarse, weight) in shares {
+                (0..3).for_each(|d| carried[d * rows + coarse] += weight * forces[d * n + j]);
+            }
+        }
+        crate::superelement::times(&self.far.sum, &carried)
     }
 
     /// Forces of the points `own` at the places of other `points` of a `lattice`: the same pressure and traction, bilinear
@@ -345,6 +368,33 @@ impl Displaced<'_> {
     }
 }
 
+/// Nodes of a grid with their mirror images along the track, where the grid has these: what lies on a line of the grid belongs to the cell on one of its sides.
+fn with_mirror_image(region: &[bool], grid: &SurfaceGrid) -> Vec<bool> {
+    let x = &grid.along_track;
+    let (columns, last) = (x.len(), x.len() - 1);
+    let is_mirrored = (0..columns).all(|k| (x[k] + x[last - k]).abs() <= 1e-9 * x[last].abs());
+    if !is_mirrored {
+        return region.to_vec();
+    }
+    (0..region.len())
+        .map(|node| region[node] || region[node / columns * columns + last - node % columns])
+        .collect()
+}
+
+/// Those of the points `near` whose mirror image along the track is near as well: at the ends of the far field rounding decides on which side there is a point.
+fn with_twins(near: &[bool], points: &[ContactPoint], lattice: &Lattice) -> Vec<bool> {
+    let twin = |point: &ContactPoint| {
+        let (line, column) = point.index;
+        let twin = (line, (2 * lattice.middle).checked_sub(column)?);
+        points.binary_search_by_key(&twin, |point| point.index).ok()
+    };
+    points
+        .iter()
+        .zip(near)
+        .map(|(point, is_near)| *is_near && twin(point).is_some_and(|twin| near[twin]))
+        .collect()
+}
+
 /// Displacement in a direction of the opposing surface against the base at a point, m, by those of the contact nodes of rail and wheel.
 fn opening(point: &ContactPoint, direction: usize, [rail, wheel]: [&[f64]; 2]) -> f64 {
     point.displacement(Side::Opposing, direction, wheel) - point.displacement(Side::Base, direction, rail)
@@ -377,19 +427,33 @@ impl Numbers {
     }
 }
 
+/// ROUNDOFF: how near a place on a line is to it, in lines.
+const ON_LINE: f64 = 1e-6;
+/// The least weight of a corner that is needed.
+const LEAST_WEIGHT: f64 = 1e-6;
+
+/// The four nodes of a lattice around a place with their bilinear weights; the first ones for a place before them.
+fn corners_around(lattice: &Lattice, position: &Point2<f64>) -> [((usize, usize), f64); 4] {
+    let split = |axis: usize| {
+        let line = lattice.coordinate(axis, position[axis]).max(0.0);
+        // on a line, but for rounding, its neighbour is not needed
+        let whole = if (line - line.round()).abs() < ON_LINE { line.round() } else { line.floor() };
+        (whole as usize, (line - whole).clamp(0.0, 1.0))
+    };
+    let ((i, u), (k, v)) = (split(0), split(1));
+    corners(u, v).map(|(a, b, weight)| ((i + a, k + b), weight))
+}
+
 /// The four points around a place with their bilinear weights; `None` where one is not there.
 fn around(lattice: &Lattice, place: &Numbers, position: &Point2<f64>) -> Option<[(usize, f64); 4]> {
-    let split = |axis: usize| {
-        let line = lattice.coordinate(axis, position[axis]);
-        // on a line, but for rounding, its neighbour is not needed
-        let whole = if (line - line.round()).abs() < 1e-6 { line.round() } else { line.floor() };
-        (whole >= 0.0).then_some((whole as usize, (line - whole).clamp(0.0, 1.0)))
-    };
-    let ((i, u), (k, v)) = (split(0)?, split(1)?);
+    let on_grid = |axis: usize| lattice.coordinate(axis, position[axis]) >= -ON_LINE;
+    if !(on_grid(0) && on_grid(1)) {
+        return None;
+    }
     let mut found = [(0, 0.0); 4];
-    for (corner, (a, b, weight)) in found.iter_mut().zip(corners(u, v)) {
-        if weight > 1e-6 {
-            *corner = (place.at((i + a, k + b))?, weight);
+    for (corner, (node, weight)) in found.iter_mut().zip(corners_around(lattice, position)) {
+        if weight > LEAST_WEIGHT {
+            *corner = (place.at(node)?, weight);
         }
     }
     Some(found)
@@ -406,11 +470,16 @@ fn points_in(cells: &[(usize, usize)], lattice: &Lattice, solids: &Solids) -> Ve
     let (s, x) = (&grid.along_profile, &grid.along_track);
     let mut nodes = Vec::new();
     for &(i, k) in cells {
+        // both ends of a cell along the track, so that the nodes before the middle are those behind it
+        let (first, last) =
+            (lattice.coordinate(1, x[k]) - ON_LINE, lattice.coordinate(1, x[k + 1]) + ON_LINE);
+        let columns = first.ceil().max(0.0) as usize..=last.floor() as usize;
         for a in lattice.lines_within(0, s[i], s[i + 1]) {
-            nodes.extend(lattice.lines_within(1, x[k], x[k + 1]).map(|b| (a, b)));
+            nodes.extend(columns.clone().map(|b| (a, b)));
         }
     }
     nodes.sort_unstable();
+    nodes.dedup();
     lattice.points(&solids.rail_surface, &solids.wheel_surface, &nodes)
 }
 

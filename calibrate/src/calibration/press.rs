@@ -20,6 +20,8 @@ const FINE_HUB_TOLERANCE: f64 = 1e-9;
 /// SOLVER: residual over the largest force of the solution before the points are paired again. It places the hub to 1e-10 m, within
 /// [`FINE_HUB_TOLERANCE`].
 const UNPAIRED: f64 = 1e-6;
+/// The same where nothing is known before: the solution shows which grid the patch needs.
+const UNGRIDDED: f64 = 1e-3;
 const PAIRING_LIMIT: usize = 40;
 /// Smallest factor on the step of the hub where pairings make it oscillate, and largest where they creep.
 const LEAST_SHARE: f64 = 1.0 / 16.0;
@@ -198,7 +200,11 @@ impl WheelOnRail<'_> {
                 hub: &wanted,
             };
             // the points are paired again after the first solution
-            let residual = if iteration == 0 { UNPAIRED } else { TOLERANCE };
+            let residual = match (iteration, near) {
+                (0, None) => UNGRIDDED,
+                (0, Some(_)) => UNPAIRED,
+                _ => TOLERANCE,
+            };
             let solution =
                 solve_to(&problem, &start, residual, &mut factors).map_err(|e| at_load(e, load))?;
             let way = solution.hub[0];

@@ -48,6 +48,8 @@ pub struct Hybrid {
     /// With the places among the coarse points in use.
     shares: Arc<Vec<Shares>>,
     diagonal: Vec<f64>,
+    /// Whether the far field is its own mirror image along the track.
+    mirrored: bool,
 }
 
 impl Hybrid {
@@ -74,10 +76,18 @@ impl Hybrid {
             coarse_points,
             shares: Arc::new(shares),
             diagonal: Vec::new(),
+            mirrored: false,
         };
         hybrid.diagonal =
             (0..hybrid.rows()).map(|row| hybrid.near.value(row, row) + hybrid.far_diagonal(row)).collect();
         hybrid
+    }
+
+    /// The same, which says whether its far field is its own mirror image along the track.
+    #[must_use]
+    pub fn mirrored(mut self, is_mirrored: bool) -> Self {
+        self.mirrored = is_mirrored;
+        self
     }
 
     /// Number of points.
@@ -116,6 +126,7 @@ impl Hybrid {
             diagonal: (0..directions)
                 .flat_map(|d| points.iter().map(move |&j| self.diagonal[d * n + j]))
                 .collect(),
+            mirrored: false,
         }
     }
 
@@ -232,6 +243,19 @@ impl Hybrid {
             }
         }
     }
+
+    /// P·D: what the far field does to `rows`, by the rows of the far field in which `columns` have shares.
+    fn spread(&self, rows: &[usize], columns: &[usize]) -> Vec<Option<Vec<f64>>> {
+        let shares: Vec<Vec<(usize, f64)>> = rows.iter().map(|&row| self.coarse(row).collect()).collect();
+        let mut spread = vec![None; self.far_directions * self.used.len()];
+        for (k, _) in columns.iter().flat_map(|&column| self.coarse(column)) {
+            spread[k].get_or_insert_with(|| {
+                let far = self.far.col_as_slice(k);
+                shares.iter().map(|share| share.iter().map(|&(l, weight)| weight * far[l]).sum()).collect()
+            });
+        }
+        spread
+    }
 }
 
 /// Those of so many coarse points in which there are shares, ascending.
@@ -285,11 +309,31 @@ impl ComplianceOperator for Hybrid {
             coarse_points: self.coarse_points,
             shares: self.shares.clone(),
             diagonal: self.diagonal[..self.points()].to_vec(),
+            mirrored: false,
         }))
     }
 
     fn nearly_inverse(&self, direction: usize, motion: &[f64]) -> Option<Vec<f64>> {
         self.near.nearly_inverse(direction, motion)
+    }
+
+    fn is_mirrored(&self) -> bool {
+        self.mirrored
+    }
+
+    fn between(&self, rows: &[usize], columns: &[usize]) -> Mat<f64> {
+        let values = self.near.values(&[rows, columns].concat());
+        let spread = self.spread(rows, columns);
+        let mut block = Mat::zeros(rows.len(), columns.len());
+        for (c, &column) in columns.iter().enumerate() {
+            let to = block.col_as_slice_mut(c);
+            for (k, weight) in self.coarse(column) {
+                let spread = spread[k].iter().flatten();
+                to.iter_mut().zip(spread).for_each(|(value, far)| *value += weight * far);
+            }
+            to.iter_mut().enumerate().for_each(|(r, value)| *value += values.at(r, rows.len() + c));
+        }
+        block
     }
 
     fn diagonal(&self, row: usize) -> f64 {
@@ -311,20 +355,12 @@ impl ComplianceOperator for Hybrid {
     fn block(&self, rows: &[usize]) -> Mat<f64> {
         let m = rows.len();
         let values = self.near.values(rows);
-        let shares: Vec<Vec<(usize, f64)>> = rows.iter().map(|&row| self.coarse(row).collect()).collect();
-        // P·D, of the coarse rows that are used
-        let mut spread: Vec<Option<Vec<f64>>> = vec![None; self.far_directions * self.used.len()];
-        for &(k, _) in shares.iter().flatten() {
-            spread[k].get_or_insert_with(|| {
-                let far = self.far.col_as_slice(k);
-                shares.iter().map(|share| share.iter().map(|&(l, weight)| weight * far[l]).sum()).collect()
-            });
-        }
+        let spread = self.spread(rows, rows);
         let mut block = Mat::zeros(m, m);
         for c in 0..m {
             let column = &mut block.col_as_slice_mut(c)[c..];
-            for (k, weight) in &shares[c] {
-                let spread = spread[*k].iter().flat_map(|spread| &spread[c..]);
+            for (k, weight) in self.coarse(rows[c]) {
+                let spread = spread[k].iter().flat_map(|spread| &spread[c..]);
                 column.iter_mut().zip(spread).for_each(|(value, far)| *value += weight * far);
             }
             column.iter_mut().enumerate().for_each(|(r, value)| *value += values.at(c + r, c));

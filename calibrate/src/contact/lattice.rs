@@ -2,7 +2,7 @@
 
 use super::pairing::profile_intervals;
 use super::point::ContactPoint;
-use super::surface::{Projection, Surface};
+use super::surface::Surface;
 use crate::mesh::SurfaceGrid;
 use nalgebra::{Point2, Vector2};
 use railspring_profiles::quadrature::gauss_2_on;
@@ -116,9 +116,9 @@ impl Lattice {
                                 continue;
                             };
                             let point = &mut points[j];
-                            point.gap += weight * (a.gap + 10.0 * b.gap + c.gap) / 12.0;
+                            point.gap += weight * (a.y + 10.0 * b.y + c.y) / 12.0;
                             point.normal += normal * weight;
-                            point.opposing_position += opposing.curve.point(b.along_profile).coords * weight;
+                            point.opposing_position += opposing.curve.point(b.x).coords * weight;
                         }
                     }
                 }
@@ -130,7 +130,7 @@ impl Lattice {
         points
     }
 
-    /// Where the nodes of `columns` on the line at the arc length `s` see the opposing surface.
+    /// Where the nodes of `columns` on the line at the arc length `s` see the opposing surface: arc length on it and gap, m.
     fn gaps_along(
         &self,
         base: &Surface,
@@ -138,24 +138,32 @@ impl Lattice {
         s: f64,
         columns: std::ops::RangeInclusive<usize>,
         facing: f64,
-    ) -> Vec<Option<Projection>> {
+    ) -> Vec<Option<Vector2<f64>>> {
         let (point, normal) = (base.world(s), base.normal(s));
+        let from_middle = |k: usize| k.abs_diff(self.middle);
+        let nearest = if columns.contains(&self.middle) {
+            0
+        } else {
+            from_middle(*columns.start()).min(from_middle(*columns.end()))
+        };
+        let farthest = from_middle(*columns.start()).max(from_middle(*columns.end()));
         // places and gaps of the last three that were found, from which the next one is near on a parabola
         let mut near: [Option<Vector2<f64>>; 3] = [None; 3];
-        columns
-            .map(|k| {
+        let outwards: Vec<Option<Vector2<f64>>> = (nearest..=farthest)
+            .map(|lines| {
                 let start = match near {
                     [Some(a), Some(b), Some(c)] => a + 3.0 * (c - b),
                     [_, _, last] => last.unwrap_or(Vector2::new(facing, 0.0)),
                 };
-                let x = self.position((0, k)).y;
-                let found = opposing.project_from(&point, x, &normal, (start.x, start.y));
-                if let Some(found) = &found {
-                    near = [near[1], near[2], Some(Vector2::new(found.along_profile, found.gap))];
-                }
-                found
+                let x = lines as f64 * self.cell.y;
+                let found = opposing.project_from(&point, x, &normal, (start.x, start.y))?;
+                let found = Vector2::new(found.along_profile, found.gap);
+                near = [near[1], near[2], Some(found)];
+                Some(found)
             })
-            .collect()
+            .collect();
+        // both surfaces are the same before and behind x = 0
+        columns.map(|k| outwards[from_middle(k) - nearest]).collect()
     }
 }
 

@@ -12,7 +12,9 @@ use std::sync::Arc;
 pub struct NearField {
     factors: Factors,
     directions: usize,
-    /// Place of every point from the corner of the grid's rectangle that holds all.
+    /// Corner of the grid's rectangle that holds all points.
+    corner: (usize, usize),
+    /// Place of every point from that corner.
     places: Vec<(usize, usize)>,
     /// Lines of the rectangle along the profile and the track.
     extent: (usize, usize),
@@ -44,7 +46,7 @@ impl NearField {
         let lines =
             |pick: fn(&(usize, usize)) -> usize| places.iter().map(pick).max().map_or(0, |last| last + 1);
         let extent = (lines(|place| place.0), lines(|place| place.1));
-        Self { factors, directions, places, extent, convolution: Convolution::shared(cell, extent) }
+        Self { factors, directions, corner, places, extent, convolution: Convolution::shared(cell, extent) }
     }
 
     fn cell(&self) -> Vector2<f64> {
@@ -54,13 +56,42 @@ impl NearField {
     /// The half-spaces between some of the points, by their places in the list.
     pub fn between(&self, points: &[usize]) -> Self {
         let places = points.iter().map(|&j| self.places[j]).collect();
-        Self::at(self.cell(), self.factors, places, self.directions)
+        let mut between = Self::at(self.cell(), self.factors, places, self.directions);
+        between.corner = (between.corner.0 + self.corner.0, between.corner.1 + self.corner.1);
+        between
+    }
+
+    /// Displacements at the nodes `wanted` of the grid, by direction and node, m, under forces on the points `carrying`, by direction and
+    /// place in that list, N.
+    pub fn seen_from(
+        &self,
+        carrying: &[usize],
+        wanted: &[(usize, usize)],
+        force: impl Fn(usize) -> f64,
+    ) -> Vec<f64> {
+        let (n, m) = (carrying.len(), wanted.len());
+        if n == 0 || m == 0 {
+            return vec![0.0; self.directions * m];
+        }
+        let corner = self.corner;
+        let grid = |place: (usize, usize)| (place.0 + corner.0, place.1 + corner.1);
+        let places = carrying.iter().map(|&j| grid(self.places[j])).chain(wanted.iter().copied()).collect();
+        let both = Self::at(self.cell(), self.factors, places, self.directions);
+        let all = n + m;
+        let mut forces = vec![0.0; self.directions * all];
+        for row in 0..self.directions * n {
+            forces[row / n * all + row % n] = force(row);
+        }
+        let mut motion = vec![0.0; forces.len()];
+        both.add_product(&forces, &mut motion);
+        (0..self.directions).flat_map(|d| motion[d * all + n..(d + 1) * all].iter().copied()).collect()
     }
 
     /// The half-spaces in the normal direction alone.
     pub fn in_normal_direction(&self) -> Self {
-        let Self { factors, ref places, extent, ref convolution, .. } = *self;
-        Self { factors, directions: 1, places: places.clone(), extent, convolution: convolution.clone() }
+        let Self { factors, corner, ref places, extent, ref convolution, .. } = *self;
+        let (places, convolution) = (places.clone(), convolution.clone());
+        Self { factors, directions: 1, corner, places, extent, convolution }
     }
 
     /// Compliance of `bodies` under `forces` on the points: fᵀ·N·f, m·N.
@@ -175,6 +206,11 @@ impl ComplianceOperator for NearField {
     fn block(&self, rows: &[usize]) -> Mat<f64> {
         let values = self.values(rows);
         Mat::from_fn(rows.len(), rows.len(), |r, c| values.at(r, c))
+    }
+
+    fn between(&self, rows: &[usize], columns: &[usize]) -> Mat<f64> {
+        let values = self.values(&[rows, columns].concat());
+        Mat::from_fn(rows.len(), columns.len(), |r, c| values.at(r, rows.len() + c))
     }
 
     fn add_product(&self, forces: &[f64], motion: &mut [f64]) {

@@ -20,6 +20,14 @@ pub trait ComplianceOperator: Send + Sync {
     /// The matrix between `rows`.
     fn block(&self, rows: &[usize]) -> Mat<f64>;
 
+    /// The matrix of `rows` and `columns`.
+    fn between(&self, rows: &[usize], columns: &[usize]) -> Mat<f64>;
+
+    /// Whether points that are mirror images of each other along the track have the same compliance.
+    fn is_mirrored(&self) -> bool {
+        false
+    }
+
     /// The compliance between some of the points alone (rows `direction·(number of these) + place in the list`), where its products
     /// take much less time than the square of the number of rows.
     fn among(&self, _points: &[usize]) -> Option<Box<dyn ComplianceOperator + '_>> {
@@ -58,6 +66,10 @@ impl ComplianceOperator for Mat<f64> {
     }
 
     fn block(&self, rows: &[usize]) -> Mat<f64> {
-        Mat::from_fn(rows.len(), rows.len(), |r, c| self[(rows[r], rows[c])])
+        self.between(rows, rows)
+    }
+
+    fn between(&self, rows: &[usize], columns: &[usize]) -> Mat<f64> {
+        Mat::from_fn(rows.len(), columns.len(), |r, c| self[(rows[r], columns[c])])
     }
 }

@@ -10,6 +10,7 @@
 use super::conjugate_gradients::conjugate_gradients;
 use super::dense::{DenseFactor, is_affordable};
 use super::iterative::{Factors, Linearised};
+use super::mirrored::Halves;
 use super::newton::{Goal, TOLERANCE, newton, slip_rows};
 use super::preconditioned::preconditioned;
 use super::start::{ALL_THE_WAY, NEAR, approach, suits};
@@ -73,8 +74,15 @@ pub fn solve_held(problem: &Problem, start: &[f64]) -> Result<Vec<f64>> {
     Err(unsolved(&state, residual, steps, StopReason::IterationLimit))
 }
 
-/// As [`solve_with`], by Newton iterations that end as the `goal` says.
+/// As [`solve_with`], by Newton iterations that end as the `goal` says; by halves where the problem is its own mirror image.
 fn solve_within(problem: &Problem, start: &[f64], goal: Goal, factors: &mut Factors) -> Result<Solution> {
+    let Some(halves) = Halves::of(problem) else { return solve_whole(problem, start, goal, factors) };
+    let compliance = halves.compliance(problem.compliance);
+    let half = Problem { points: &halves.points, compliance: &compliance, free: &halves.free, ..*problem };
+    solve_whole(&half, &halves.carried(start), goal, factors).map(|half| halves.solution(half))
+}
+
+fn solve_whole(problem: &Problem, start: &[f64], goal: Goal, factors: &mut Factors) -> Result<Solution> {
     let mut spent = 0;
     let mut state = State::new(problem, start);
     let by_products = suits(problem);
@@ -169,7 +177,7 @@ fn raise_friction(
 }
 
 /// SOLVER: residual of the linearised contact over its right-hand side where it is solved by iteration.
-const LINEAR: f64 = 1e-8;
+const LINEAR: f64 = 1e-7;
 
 /// How the contact answers small motions of the hub at a converged state.
 pub struct HubResponse {
@@ -217,6 +225,27 @@ pub fn hub_response_with(
 /// Change of the contact forces (rows as in the compliance, a column for each motion) where motions change the separations by `rates` per unit; the
 /// points as in [`hub_response`]. `None` if no point carries load.
 pub fn response_to(
+    problem: &Problem,
+    solution: &Solution,
+    rates: &[Vec<f64>],
+    sticking: bool,
+    factors: &mut Factors,
+) -> Option<Mat<f64>> {
+    let Some(halves) = Halves::of(problem) else {
+        return response_of_all(problem, solution, rates, sticking, factors);
+    };
+    let compliance = halves.compliance(problem.compliance);
+    let half = Problem { points: &halves.points, compliance: &compliance, free: &halves.free, ..*problem };
+    let rates: Vec<Vec<f64>> = rates.iter().map(|rates| halves.half(rates)).collect();
+    let forces = response_of_all(&half, &halves.half_of(solution), &rates, sticking, factors)?;
+    let mut whole = Mat::zeros(problem.free.len(), rates.len());
+    for c in 0..rates.len() {
+        whole.col_as_slice_mut(c).copy_from_slice(&halves.whole(forces.col_as_slice(c), true));
+    }
+    Some(whole)
+}
+
+fn response_of_all(
     problem: &Problem,
     solution: &Solution,
     rates: &[Vec<f64>],

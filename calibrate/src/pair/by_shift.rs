@@ -53,6 +53,8 @@ pub struct AngleSettings<'a> {
     /// Loads at which displacement and stiffness are given, N, ascending: the constants of a law do not interpolate from shift to
     /// shift. Those beyond the range of `loads` are left out.
     pub fixed_loads: &'a [f64],
+    /// Whether the stresses below the patches are sought: they take a third of the time of a patch, and error bands of patches come with them.
+    pub stresses: bool,
 }
 
 /// The loads that are put on in turn, N, ascending: `loads`, and the `fixed` ones within their range.
@@ -126,7 +128,7 @@ pub struct FixedLoad {
     pub lateral_contact: f64,
     /// The patch, the rail's section held.
     pub patch: PatchValues,
-    /// Error bands of its values; none for a contact between elements.
+    /// Error bands of its values; none for a contact between elements, and without stresses.
     pub patch_band: Option<PatchBand>,
     /// The contacts that carry the load: one, or two whose normals are apart. Their normal forces and their normals out of the rail, world (y, z).
     pub contacts: Vec<Region>,
@@ -315,7 +317,12 @@ impl Sequence {
                 }
                 if reference == Reference::Beam && settings.fixed_loads.contains(&load) {
                     let sticking = sticking_flexibility(wheel_on_rail, &state)?;
-                    let Patch { values: patch, band: patch_band, .. } = wheel_on_rail.patch(&state)?;
+                    let patch = if settings.stresses {
+                        wheel_on_rail.patch(&state)
+                    } else {
+                        wheel_on_rail.patch_without_stresses(&state)
+                    };
+                    let Patch { values: patch, band: patch_band, .. } = patch?;
                     sequence.fixed.push(Fixed { load: i, sticking, patch, patch_band, contacts });
                 }
                 sequence.points.push(point);

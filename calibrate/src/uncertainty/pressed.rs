@@ -118,7 +118,7 @@ impl<'a> UncertainPair<'a> {
             horizontal: None,
         };
         if whole {
-            for patch in states.iter().map(|state| placed.patch(state)) {
+            for patch in states.iter().map(|state| placed.patch_without_stresses(state)) {
                 let values = patch?.values;
                 answers.area.push(values.area);
                 answers.pressure.push(values.max_pressure);

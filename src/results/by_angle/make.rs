@@ -60,6 +60,7 @@ pub fn by_angle(
         direction: PressDirection::Normal,
         loads: &loads,
         fixed_loads: &statics.calibration.fixed_loads,
+        stresses: true,
     };
     let places: Vec<f64> = shifts.iter().map(|shift| tape_y(statics, pair, *shift)).collect();
     let laws = law_by_shift(pair, bodies, &settings, &places, monitor)?;
@@ -139,7 +140,9 @@ pub fn place(
 ) -> Result<ShiftRecord> {
     let pair = &geometry.pair;
     let loads = &statics.calibration.loads;
-    let settings = AngleSettings { contact: contact_conditions(statics), direction, loads, fixed_loads };
+    let contact = contact_conditions(statics);
+    // a table has no columns for stresses
+    let settings = AngleSettings { contact, direction, loads, fixed_loads, stresses: false };
     let laws = law_by_shift(pair, bodies, &settings, &[tape_y(statics, pair, shift)], monitor)?;
     let bands =
         coarser.map(|coarser| bands(geometry, bodies, coarser, &settings, &laws, monitor)).transpose()?;

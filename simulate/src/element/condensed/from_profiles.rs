@@ -56,7 +56,7 @@ impl CondensedModel {
         let FitOptions { rail_length, material, contact, .. } = *options;
         let fixed_loads = at.loads.get(1..).unwrap_or_default();
         let direction = PressDirection::Normal;
-        let settings = AngleSettings { contact, direction, loads: at.loads, fixed_loads };
+        let settings = AngleSettings { contact, direction, loads: at.loads, fixed_loads, stresses: false };
         let tape_ys: Vec<f64> = at.shifts.iter().map(|shift| pair.tape_y + shift).collect();
         let mut places = Vec::new();
         for law in law_by_shift(pair, bodies, &settings, &tape_ys, monitor)? {
