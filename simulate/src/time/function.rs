@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 /// Time steps that a period of a force must have at least.
 ///
@@ -61,12 +61,22 @@ impl HarmonicForce {
 /// assert!((force.at(0.025) - 16.0).abs() < 1e-12);
 /// assert!((TimeFunction::from(sine).at(0.025) - 15.0).abs() < 1e-12);
 /// ```
-#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct TimeFunction {
     /// Means and sines.
     pub harmonics: Vec<HarmonicForce>,
     /// Times, s, ascending, with values; empty for none. Beyond its ends the table keeps its last value.
     pub table: Vec<(f64, f64)>,
+}
+
+/// A single harmonic as such: the keys of results that are kept do not change by the other forms.
+impl Serialize for TimeFunction {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match (&self.harmonics[..], &self.table[..]) {
+            ([one], []) => one.serialize(serializer),
+            parts => parts.serialize(serializer),
+        }
+    }
 }
 
 impl From<HarmonicForce> for TimeFunction {
