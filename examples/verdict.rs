@@ -26,8 +26,8 @@ pub fn lines() -> Result<Vec<Line>> {
     let solid = TransientModel::reduced(&pair, solids, ModeCount::Estimated, material.damping, meets)?;
 
     let scenario = Scenario {
-        vertical_force: HarmonicForce::constant(60e3),
-        lateral_force: HarmonicForce::constant(10e3),
+        vertical_force: TimeFunction::constant(60e3),
+        lateral_force: TimeFunction::constant(10e3),
         inner_steps: CondensedModel::STEPS,
         ..Scenario::new(20, 5e-4, contact.friction)
     };

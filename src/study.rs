@@ -14,6 +14,7 @@ mod content;
 mod file_content;
 mod key_value;
 mod pair;
+pub mod tables;
 mod analysis;
 mod library_errors;
 mod measured;

@@ -6,9 +6,9 @@
 //! No profiles and no solids take part: nothing is calibrated, and nothing verified.
 
 pub mod document;
-mod tables;
 mod beams;
 mod excitation;
+mod profiles;
 mod lateral;
 mod columns;
 mod lateral_columns;

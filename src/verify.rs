@@ -43,7 +43,7 @@ pub(crate) use statistics::quantile;
 pub use band::Band;
 pub use change::{Change, least_contact};
 pub use contact::ContactDifference;
-pub use en14363::{Percentiles, RunningStatistics, WINDOW, accepted, low_passed};
+pub use en14363::{Percentiles, RatioAlong, RunningStatistics, WINDOW, accepted, low_passed};
 pub use limits::{ChangedLimit, Limits};
 pub use line::{Criterion, HeldBy, Kind, Line, NotApplicable};
 pub use model_change::{Afterwards, ModelChange, RunChange};

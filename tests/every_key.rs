@@ -54,6 +54,18 @@ const SWINGING_TORSION: &[&str] = &[
 const SWINGING: &[&str] =
     &["scenario.a.lateral_force.amplitude_kn=1", "scenario.a.lateral_force.frequency_hz=50"];
 
+const VERTICAL_TABLE: &[&str] = &[
+    "scenario.a.vertical_force.table.file=ROOT/tests/studies/pulse.csv",
+    "scenario.a.vertical_force.table.column=vertical_kn",
+];
+const LATERAL_TABLE: &[&str] = &[
+    "scenario.a.lateral_force.table.file=ROOT/tests/studies/pulse.csv",
+    "scenario.a.lateral_force.table.column=vertical_kn",
+];
+const TORSION_TABLE: &[&str] = &[
+    "scenario.b.rail_torsion.table.file=ROOT/tests/studies/pulse.csv",
+    "scenario.b.rail_torsion.table.column=vertical_kn",
+];
 const VERTICAL: &[&str] = &[
     "scenario.a.vertical_suspension.stiffness_kn_per_m=1200",
     "scenario.a.vertical_suspension.damping_kn_s_per_m=40",
@@ -189,14 +201,32 @@ const CHANGED: &[Changed] = &[
     ("scenario.*.vertical_force.amplitude_kn", PLAIN, "31"),
     ("scenario.*.vertical_force.frequency_hz", PLAIN, "61"),
     ("scenario.*.vertical_force.phase_deg", PLAIN, "10"),
+    ("scenario.*.vertical_force.harmonics", PLAIN, "[{ amplitude_kn = 2, frequency_hz = 40 }]"),
+    ("scenario.*.vertical_force.table.file", VERTICAL_TABLE, "ROOT/tests/studies/short-pulse.csv"),
+    ("scenario.*.vertical_force.table.over_column", VERTICAL_TABLE, "slow_s"),
+    ("scenario.*.vertical_force.table.column", VERTICAL_TABLE, "lateral_kn"),
+    ("scenario.*.vertical_force.table.factor", VERTICAL_TABLE, "0.5"),
+    ("scenario.*.vertical_force.table.between", VERTICAL_TABLE, "corners"),
     ("scenario.*.lateral_force.mean_kn", PLAIN, "21"),
     ("scenario.*.lateral_force.amplitude_kn", SWINGING, "2"),
     ("scenario.*.lateral_force.frequency_hz", SWINGING, "60"),
     ("scenario.*.lateral_force.phase_deg", SWINGING, "10"),
+    ("scenario.*.lateral_force.harmonics", PLAIN, "[{ amplitude_kn = 2, frequency_hz = 40 }]"),
+    ("scenario.*.lateral_force.table.file", LATERAL_TABLE, "ROOT/tests/studies/short-pulse.csv"),
+    ("scenario.*.lateral_force.table.over_column", LATERAL_TABLE, "slow_s"),
+    ("scenario.*.lateral_force.table.column", LATERAL_TABLE, "lateral_kn"),
+    ("scenario.*.lateral_force.table.factor", LATERAL_TABLE, "0.5"),
+    ("scenario.*.lateral_force.table.between", LATERAL_TABLE, "corners"),
     ("scenario.*.rail_torsion.mean_kn_m", TORSION, "2"),
     ("scenario.*.rail_torsion.amplitude_kn_m", SWINGING_TORSION, "2"),
     ("scenario.*.rail_torsion.frequency_hz", SWINGING_TORSION, "60"),
     ("scenario.*.rail_torsion.phase_deg", SWINGING_TORSION, "10"),
+    ("scenario.*.rail_torsion.harmonics", TORSION, "[{ amplitude_kn_m = 2, frequency_hz = 40 }]"),
+    ("scenario.*.rail_torsion.table.file", TORSION_TABLE, "ROOT/tests/studies/short-pulse.csv"),
+    ("scenario.*.rail_torsion.table.over_column", TORSION_TABLE, "slow_s"),
+    ("scenario.*.rail_torsion.table.column", TORSION_TABLE, "lateral_kn"),
+    ("scenario.*.rail_torsion.table.factor", TORSION_TABLE, "0.5"),
+    ("scenario.*.rail_torsion.table.between", TORSION_TABLE, "corners"),
     ("scenario.*.start_x_m", PLAIN, "0.25"),
     ("scenario.*.speed_m_per_s", PLAIN, "1"),
     ("scenario.*.ratio_limit", PLAIN, "0.8"),

@@ -70,10 +70,10 @@ const SIZED: [Sized; 15] = [
     ("suspension stiffness", |p, e| p.case.scenario.vertical_suspension.stiffness *= 1.0 + e),
     ("suspension damping", |p, e| p.case.scenario.vertical_suspension.damping *= 1.0 + e),
     ("suspended mass", |p, e| p.case.scenario.suspended_mass *= 1.0 + e),
-    ("vertical amplitude", |p, e| p.case.scenario.vertical_force.amplitude *= 1.0 + e),
-    ("vertical phase, of a radian", |p, e| p.case.scenario.vertical_force.phase += e),
+    ("vertical amplitude", |p, e| p.case.scenario.vertical_force.harmonics[0].amplitude *= 1.0 + e),
+    ("vertical phase, of a radian", |p, e| p.case.scenario.vertical_force.harmonics[0].phase += e),
     ("lateral force", |p, e| {
-        let force = &mut p.case.scenario.lateral_force;
+        let force = &mut p.case.scenario.lateral_force.harmonics[0];
         force.constant *= 1.0 + e;
         force.amplitude *= 1.0 + e;
     }),

@@ -24,6 +24,7 @@ mod examples;
 mod exports;
 mod field_files;
 mod fleet_folders;
+mod forces_over_time;
 mod fuzz;
 mod holes;
 mod horizontal;

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use assert_cmd::Command;
+use railspring_calibrate::analytic::beam::{Bending, Span};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -75,11 +76,19 @@ pub fn near(found: f64, expected: f64, within: f64, what: &str) {
     assert!((found / expected - 1.0).abs() < within, "{what}: {found} for {expected}");
 }
 
+/// Whether the deflection of midspan (mm) is as expected at quarters of the time.
+fn quarters(place: &Place, expected: [f64; 3], name: &str) {
+    let deflections = place.column("midspan_deflection_mm");
+    for (row, expected) in [500, 1000, 1500].into_iter().zip(expected) {
+        near(deflections[row], expected, DISCRETISATION, name);
+    }
+}
+
 fn shipped() -> String {
     std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("data/studies/vbi-2d.toml")).unwrap()
 }
 
-/// Source: program VBI-2D, case A. Goal: the shipped study has the printed largest deflection (mm) at midspan, says that nothing was verified, has the same bytes again, and a page without
+/// Source: program VBI-2D, case A. Goal: the shipped study has the printed deflections (mm) at midspan, the largest and those at quarters of the time, says that nothing was verified, has the same bytes again, and a page without
 /// anything from elsewhere. Accuracy: DISCRETISATION.
 #[test]
 fn the_shipped_bridge_deflects_as_printed() {
@@ -87,6 +96,7 @@ fn the_shipped_bridge_deflects_as_printed() {
     let ran = place.run(&shipped());
     assert_eq!((ran.code, ran.said.as_str()), (0, ""));
     near(place.largest("midspan_deflection_mm"), 0.418545, DISCRETISATION, "A");
+    quarters(&place, [0.25643, 0.36733, 0.24006], "A");
     let record: Value = serde_json::from_str(&place.file("track.json")).unwrap();
     assert_eq!(record["ending"], "completed");
     assert_eq!(record["verification"]["verified"], false);
@@ -147,6 +157,39 @@ fn variants_of_the_bridge_deflect_as_printed() {
     near(place.largest("p_kn"), 57.258, DISCRETISATION, "B");
     let least = place.column("p_kn").into_iter().fold(f64::INFINITY, f64::min);
     near(least, 55.590, DISCRETISATION, "B");
+    quarters(&place, [1.3985, 2.0133, 1.3132], "B");
+}
+
+/// Source: Frýba's series with the shear branch (`analytic::beam`). Goal: deflection (mm) of the middle of a rail of 4 m with shear and rotary inertia under a force of
+/// 100 kN at 60 m/s, at each tenth of the time, from keys alone. Accuracy: DISCRETISATION of the largest.
+#[test]
+fn a_force_over_a_timoshenko_beam_is_frybas_series() {
+    let [length, force, speed, mass, rotary] = [4.0, 1e5, 60.0, 60.2, 0.2385];
+    let (young, inertia, area, poisson) = (210e9, 3.038e-5, 3.0e-3, 0.3);
+    let study = format!(
+        "kind = \"track\"\nname = \"fryba\"\n[rail]\nlength_m = {length}\nelements = 40\nends = [\"pinned\", \"pinned\"]\n\
+         section = {{ young_gpa = {}, inertia_m4 = {inertia}, mass_kg_per_m = {mass}, shear_area_m2 = {area}, poisson = {poisson}, rotary_kg_m = {rotary} }}\n\
+         [wheel]\nkind = \"force\"\n[excitation.vertical_force]\nmean_kn = {}\n\
+         [run]\nsteps = 1000\ninner_steps = 4\ntime_step_s = {}\nspeed_m_per_s = {speed}\nstart = \"above\"\n\
+         [[probe]]\nname = \"midspan\"\nx_m = {}\n",
+        1e-9 * young,
+        1e-3 * force,
+        1e-3 * length / speed,
+        0.5 * length,
+    );
+    let place = Place::new();
+    let ran = place.run(&study);
+    assert_eq!(ran.code, 0, "{}", ran.said);
+    let shear_stiffness = 0.5 * young / (1.0 + poisson) * area;
+    let bending = Bending { length, bending_stiffness: young * inertia, shear_stiffness };
+    let span = Span { bending, mass_per_length: mass, rotary_inertia: rotary };
+    let (times, deflections) = (place.column("time_s"), place.column("midspan_deflection_mm"));
+    let exact = |row: usize| 1e3 * span.moving_force_deflection(force, speed, 0.5 * length, times[row], 200);
+    let largest = (1..=10).map(|tenth| exact(100 * tenth)).fold(0.0, f64::max);
+    for row in (1..=10).map(|tenth| 100 * tenth) {
+        let off = (deflections[row] - exact(row)).abs();
+        assert!(off < DISCRETISATION * largest, "{row}: {off} of {largest}");
+    }
 }
 
 /// Source: energy of a falling mass, gravity during the contact left out. Goal: the largest force (kN) and approach (mm) of 283 kg and 1000 kg that fall on Hertz's contact and on the published law. Accuracy: DISCRETISATION.

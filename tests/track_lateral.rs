@@ -2,6 +2,9 @@
 
 use std::path::Path;
 
+use railspring_profiles::profile::ProfileCurve;
+use railspring_profiles::profile::wheels::wheel_profile;
+use railspring_profiles::section::rail_section;
 use serde_json::Value;
 
 use super::track::{Place, Ran, csv_of, near};
@@ -343,4 +346,70 @@ fn the_example_of_the_documents_runs() {
     let place = Place::new();
     done(&place.run(example), 0);
     assert!(place.largest("right_q_kn") > 10.0, "{}", place.largest("right_q_kn"));
+}
+
+/// Points of a profile every quarter millimetre, as a file has them.
+fn points(curve: &ProfileCurve) -> String {
+    let rows = curve.sample(0.25e-3).into_iter();
+    rows.fold("y_mm;z_mm\n".into(), |text, at| text + &format!("{:.6};{:.6}\n", 1e3 * at.x, 1e3 * at.y))
+}
+
+/// Source: the same wheelset on standard profiles. Goal: points of these profiles from files give its P and Q (kN) while a lateral force presses it on a flange. The record has the files with
+/// keys and hashes, and a note says which standard each was taken for. A worn wheel on the left changes the forces there. Accuracy: DISCRETISATION, points are joined and smoothed to 0.1 µm, which moves
+/// contacts where curvatures change: a hundredth of the largest force.
+#[test]
+fn measured_profiles_are_read_from_files() {
+    const DISCRETISATION: f64 = 1e-2;
+    let place = Place::new();
+    let wheel = points(&wheel_profile("S1002").unwrap());
+    place.write("wheel.csv", &wheel);
+    place.write("rail.csv", &points(&rail_section("60E1").unwrap().running));
+    place.write("worn.whl", include_str!("../data/profiles/worn-s1002.whl"));
+    let pushed = format!("{WHEELSET}[excitation]\nlateral_force = {{ mean_kn = 15.0 }}\n");
+    let with = |keys: &str| pushed.replace("wheel_profile = \"S1002\"", keys);
+    let forces = ["right_p_kn", "left_p_kn", "right_q_kn", "left_q_kn"];
+    done(&place.run(&pushed), 0);
+    let standard = forces.map(|name| place.column(name));
+    let largest = standard[0].iter().copied().fold(0.0, f64::max);
+    let off = |of: &[Vec<f64>; 4], column: usize| {
+        let off = of[column].iter().zip(&standard[column]).map(|(a, b)| (a - b).abs() / largest);
+        off.fold(0.0, f64::max)
+    };
+    done(&place.run(&with("wheel_profile = \"wheel.csv\"\nrail_profile = \"rail.csv\"")), 0);
+    let measured = forces.map(|name| place.column(name));
+    for (column, name) in forces.iter().enumerate() {
+        assert!(off(&measured, column) < DISCRETISATION, "{name}: {}", off(&measured, column));
+    }
+    let made = record(&place);
+    let file = |key: &str| {
+        let files = made["files"].as_array().unwrap();
+        files.iter().find(|file| file["key"] == key).unwrap_or_else(|| panic!("{key}: {made}")).clone()
+    };
+    assert_eq!(file("lateral.wheel_profile")["blake3"], blake3::hash(wheel.as_bytes()).to_hex().as_str());
+    assert_eq!(file("lateral.rail_profile")["file"], "rail.csv");
+    let notes = made["notes"].to_string();
+    assert!(notes.contains("wheel.csv") && notes.contains("S1002") && notes.contains("60E1"), "{notes}");
+    done(&place.run(&with("wheel_profile = \"S1002\"\nleft_wheel_profile = \"worn.whl\"")), 0);
+    let worn = forces.map(|name| place.column(name));
+    assert!(off(&worn, 3) > DISCRETISATION, "{}", off(&worn, 3));
+    place.write("broken.csv", "y_mm;z_mm\n1;x\n");
+    for (keys, key, said) in [
+        ("wheel_profile = \"rail.csv\"", "lateral.wheel_profile", "profile of a wheel"),
+        (
+            "wheel_profile = \"S1002\"\nrail_profile = \"wheel.csv\"",
+            "lateral.rail_profile",
+            "profile of a rail",
+        ),
+        (
+            "wheel_profile = \"S1002\"\nleft_wheel_profile = \"broken.csv\"",
+            "lateral.left_wheel_profile",
+            "broken.csv",
+        ),
+        ("wheel_profile = \"none.csv\"", "lateral.wheel_profile", "profile list"),
+    ] {
+        let ran = place.run(&with(keys));
+        assert_eq!(ran.code, 2, "{keys}: {}", ran.said);
+        let named = ran.said.contains("study.toml:") && ran.said.contains(&format!("{key} = "));
+        assert!(named && ran.said.contains(said), "{keys}: {}", ran.said);
+    }
 }

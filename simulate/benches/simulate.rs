@@ -29,11 +29,11 @@ use railspring_simulate::element::condensed::CondensedModel;
 use railspring_simulate::element::published::{
     MovingModel, MovingRun, RailSupport, WheelSprings, WheelsetContact, WheelsetSide,
 };
-use railspring_simulate::time::scenario::{HarmonicForce, Kelvin, Scenario};
+use railspring_simulate::time::function::TimeFunction;
+use railspring_simulate::time::scenario::{Kelvin, Scenario};
 use railspring_simulate::track::{
     Across, AcrossCase, Carrier, Direction, Layers, LayersAcross, LineBeam, Onto, Running, Start,
-    StartAcross, SwayingWheelset, TimeFunction, Track, TrackCase, TwoRails, UnevenRail, Unevenness, Way,
-    Wheels, Wheelset,
+    StartAcross, SwayingWheelset, Track, TrackCase, TwoRails, UnevenRail, Unevenness, Way, Wheels, Wheelset,
 };
 use rayon::prelude::*;
 
@@ -141,7 +141,7 @@ fn batch(criterion: &mut Criterion) {
     let models = Models::new(&pair, pair.beam(&steel(), 0.555, 20).unwrap());
     let case = |n: u64| Scenario {
         steps: 60,
-        lateral_force: HarmonicForce::constant(20e3 * n as f64 / CASES as f64),
+        lateral_force: TimeFunction::constant(20e3 * n as f64 / CASES as f64),
         ..constant_lateral_force()
     };
     let mut group = criterion.benchmark_group("batch of 200 load cases");

@@ -15,8 +15,9 @@ pub fn history(options: &FitOptions) -> Result<History> {
     };
     let model = CondensedModel::fit(&pair, &at, options, &Silent)?;
     let scenario = Scenario {
-        vertical_force: HarmonicForce { amplitude: 30e3, frequency: 10.0, ..HarmonicForce::constant(60e3) },
-        lateral_force: HarmonicForce::constant(10e3),
+        vertical_force: HarmonicForce { amplitude: 30e3, frequency: 10.0, ..HarmonicForce::constant(60e3) }
+            .into(),
+        lateral_force: TimeFunction::constant(10e3),
         inner_steps: CondensedModel::STEPS,
         ..Scenario::new(200, 5e-4, options.contact.friction)
     };

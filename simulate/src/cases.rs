@@ -1,6 +1,7 @@
 //! Load cases on which the time of a step is measured: the published one, a bridge that other programs were timed on, a wheel that rolls along.
 
-use crate::time::scenario::{HarmonicForce, Kelvin, Scenario};
+use crate::time::function::{HarmonicForce, TimeFunction};
+use crate::time::scenario::{Kelvin, Scenario};
 use railspring_calibrate::beam::{BeamSection, End, RailBeam};
 use railspring_profiles::error::Result;
 
@@ -68,9 +69,10 @@ pub fn constant_lateral_force() -> Scenario {
     Scenario {
         suspended_mass: 6250.0,
         vertical_suspension: suspension,
-        vertical_force: HarmonicForce { constant: 10e3, amplitude: 61.25e3, frequency: 10.0, phase: 0.0 },
+        vertical_force: HarmonicForce { constant: 10e3, amplitude: 61.25e3, frequency: 10.0, phase: 0.0 }
+            .into(),
         lateral_suspension: suspension,
-        lateral_force: HarmonicForce::constant(20e3),
+        lateral_force: TimeFunction::constant(20e3),
         ..Scenario::new(550, 5e-4, FRICTION)
     }
 }

@@ -3,5 +3,6 @@
 pub use crate::element::condensed::{CondensedModel, ElementFit};
 pub use crate::element::published::{InitialMotion, MovingModel, WheelSprings};
 pub use crate::solid::{ModeCount, TransientModel};
-pub use crate::time::scenario::{HarmonicForce, Kelvin, Scenario};
+pub use crate::time::function::{HarmonicForce, TimeFunction};
+pub use crate::time::scenario::{Kelvin, Scenario};
 pub use railspring_calibrate::prelude::*;

@@ -230,8 +230,8 @@ fn refuse_moving(scenario: &Scenario) -> Result<()> {
     if scenario.speed != 0.0 {
         return refuse(InputField::Speed, format!("{} m/s", scenario.speed));
     }
-    if let Some(torsion) = scenario.rail_torsion {
-        return refuse(InputField::RailTorsion, format!("{} kN·m", torsion.amplitude / KILONEWTON));
+    if let Some(torsion) = &scenario.rail_torsion {
+        return refuse(InputField::RailTorsion, format!("{} kN·m", torsion.largest() / KILONEWTON));
     }
     Ok(())
 }

@@ -2,6 +2,7 @@
 
 pub mod newmark;
 pub mod steps;
+pub mod function;
 pub mod scenario;
 pub mod linear_part;
 pub mod energy;

@@ -17,7 +17,6 @@
 //! **Ground.** All supports move together. Displacements are those against the moving ground, in which every mass m has the force −m·a of the ground's
 //! acceleration a; only accelerations are told absolutely.
 
-mod time_function;
 mod way;
 mod irregularity;
 mod structure;
@@ -46,7 +45,6 @@ pub use running::{Running, SprungWheel, Wheelset};
 pub use state::TrackState;
 pub use structure::{Bridge, Carrier, Direction, Held, Layers, LineBeam, Onto, Track};
 pub use swaying::{SuspensionForce, SwayingWheelset};
-pub use time_function::TimeFunction;
 pub use way::Way;
 
 #[cfg(test)]

@@ -18,8 +18,9 @@ use railspring_profiles::section::{rail_section, wheel_section};
 use railspring_simulate::element::condensed::parts::{ElementBodies, PlaceApproaches};
 use railspring_simulate::element::condensed::{CondensedModel, fitted_element};
 use railspring_simulate::solid::{ModeCount, TransientModel};
+use railspring_simulate::time::function::{HarmonicForce, TimeFunction};
 use railspring_simulate::time::history::{History, HistoryRow};
-use railspring_simulate::time::scenario::{HarmonicForce, Kelvin, Scenario};
+use railspring_simulate::time::scenario::{Kelvin, Scenario};
 use railspring_simulate::time::steps::{InnerSteps, StepControl};
 
 const LENGTH: f64 = 0.555;
@@ -38,8 +39,9 @@ fn options() -> MeshOptions {
 /// Load case 4.2 over its first 60 ms.
 fn sine() -> Scenario {
     let suspension = Kelvin { stiffness: 1.2e6, damping: 4e4 };
-    let force =
-        |constant: f64, amplitude: f64| HarmonicForce { constant, amplitude, frequency: 10.0, phase: 0.0 };
+    let force = |constant: f64, amplitude: f64| {
+        TimeFunction::from(HarmonicForce { constant, amplitude, frequency: 10.0, phase: 0.0 })
+    };
     Scenario {
         suspended_mass: 6250.0,
         vertical_suspension: suspension,

@@ -11,8 +11,9 @@ use railspring_profiles::monitor::Silent;
 use railspring_profiles::placement::TrackGeometry;
 use railspring_profiles::section::{rail_section, wheel_section};
 use railspring_simulate::solid::{ModeCount, RailPath, TransientModel};
+use railspring_simulate::time::function::TimeFunction;
 use railspring_simulate::time::history::{History, HistoryRow};
-use railspring_simulate::time::scenario::{HarmonicForce, Scenario};
+use railspring_simulate::time::scenario::Scenario;
 
 const LENGTH: f64 = 0.4;
 const MODES: usize = 32;
@@ -42,8 +43,8 @@ fn condensed(pair: &Pair, material: Material, x: f64, body: PairBody) -> Condens
 /// A wheel that is pressed down and to the field side: it bounces.
 fn pressed(steps: usize, friction: f64) -> Scenario {
     Scenario {
-        vertical_force: HarmonicForce::constant(60e3),
-        lateral_force: HarmonicForce::constant(10e3),
+        vertical_force: TimeFunction::constant(60e3),
+        lateral_force: TimeFunction::constant(10e3),
         ..Scenario::new(steps, 2.5e-4, friction)
     }
 }

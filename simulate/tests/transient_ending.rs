@@ -11,16 +11,17 @@ use railspring_profiles::placement::Departure;
 use railspring_profiles::placement::{TrackGeometry, place_rail, touch};
 use railspring_profiles::section::{rail_section, wheel_section};
 use railspring_simulate::solid::{SolidBodies, TransientModel};
+use railspring_simulate::time::function::TimeFunction;
 use railspring_simulate::time::history::{Ending, History, HistoryRow, SurfaceEnd};
-use railspring_simulate::time::scenario::{HarmonicForce, Kelvin, Scenario};
+use railspring_simulate::time::scenario::{Kelvin, Scenario};
 use railspring_simulate::time::steps::InnerSteps;
 
 /// A wheel at rest, just touching, without a suspended mass, under constant forces (N; to the field side, and down).
 fn scenario(lateral: f64, vertical: f64, steps: usize, time_step: f64) -> Scenario {
     Scenario {
-        vertical_force: HarmonicForce::constant(vertical),
+        vertical_force: TimeFunction::constant(vertical),
         lateral_suspension: Kelvin { stiffness: 1.2e6, damping: 4e4 },
-        lateral_force: HarmonicForce::constant(lateral),
+        lateral_force: TimeFunction::constant(lateral),
         ..Scenario::new(steps, time_step, 0.0)
     }
 }

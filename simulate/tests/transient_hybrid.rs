@@ -11,8 +11,9 @@ use railspring_profiles::monitor::Silent;
 use railspring_profiles::placement::TrackGeometry;
 use railspring_profiles::section::{rail_section, wheel_section};
 use railspring_simulate::solid::{ModeCount, START_MODES, TransientModel, TransientRun};
+use railspring_simulate::time::function::{HarmonicForce, TimeFunction};
 use railspring_simulate::time::history::{History, HistoryRow};
-use railspring_simulate::time::scenario::{HarmonicForce, Kelvin, Scenario};
+use railspring_simulate::time::scenario::{Kelvin, Scenario};
 use railspring_simulate::time::steps::{InnerSteps, StepControl};
 
 fn pair() -> Pair {
@@ -36,8 +37,8 @@ fn meshes(pair: &Pair, element: f64) -> PairMeshes {
 /// while it carries little.
 fn pressed(steps: usize) -> Scenario {
     Scenario {
-        vertical_force: HarmonicForce::constant(60e3),
-        lateral_force: HarmonicForce::constant(10e3),
+        vertical_force: TimeFunction::constant(60e3),
+        lateral_force: TimeFunction::constant(10e3),
         ..Scenario::new(steps, 5e-4, 0.5)
     }
 }
@@ -200,7 +201,7 @@ fn a_second_load_case_is_that_of_its_own_run() {
         .unwrap();
     let first = pressed(6);
     let mut second = first.clone();
-    second.lateral_force.constant += 5e3;
+    second.lateral_force.harmonics[0].constant += 5e3;
     let [alone, other] = [&first, &second].map(|case| model.run(case, &Silent).unwrap());
     assert!(alone.other.is_none() && alone.history != other.history);
     let both = model.run_beside(&first, &second, &Silent).unwrap();
@@ -223,8 +224,9 @@ fn published(inner_steps: InnerSteps, steps: usize) -> Scenario {
         suspended_mass: 6250.0,
         vertical_suspension: suspension,
         lateral_suspension: suspension,
-        vertical_force: HarmonicForce { constant: 10e3, amplitude: 61.25e3, frequency: 10.0, phase: 0.0 },
-        lateral_force: HarmonicForce::constant(20e3),
+        vertical_force: HarmonicForce { constant: 10e3, amplitude: 61.25e3, frequency: 10.0, phase: 0.0 }
+            .into(),
+        lateral_force: TimeFunction::constant(20e3),
         inner_steps,
         ..Scenario::new(steps, 5e-4, 0.5)
     }
@@ -276,7 +278,7 @@ fn adapted_steps_follow_short_ones() {
     let first = |threads, factor: f64| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let mut scenario = published(adapted, 33);
-        scenario.vertical_force.amplitude *= factor;
+        scenario.vertical_force.harmonics[0].amplitude *= factor;
         pool.install(|| given(&scenario).history)
     };
     let one = first(1, 1.0);

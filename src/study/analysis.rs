@@ -9,6 +9,7 @@ use serde::Serialize;
 use super::document::{
     ContactElementKey, EnforcementKey, FieldKey, LawAcceptedKey, LawKey, ReferenceKey, SlidingMatrixKey,
 };
+use super::tables::FileRecord;
 
 /// Contact between the solids.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -134,6 +135,8 @@ pub struct StudyScenario {
     pub ratio_limit: Option<f64>,
     /// Times at which the report draws the contact positions, s.
     pub snapshots: Vec<f64>,
+    /// The tables of its forces.
+    pub tables: Vec<FileRecord>,
     /// What has to be known before it runs: values of the publication that it takes, the end of the rail, loads beyond the calibration.
     pub notes: Vec<String>,
 }

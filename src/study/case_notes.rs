@@ -2,7 +2,7 @@
 //! rail, and loads beyond those of the calibration.
 
 use railspring_profiles::units::KILONEWTON;
-use railspring_simulate::time::scenario::{HarmonicForce, Scenario};
+use railspring_simulate::time::scenario::Scenario;
 
 use super::document::{LawKey, ScenarioKeys, StudyDocument, SuspensionKeys};
 use super::source::Source;
@@ -79,11 +79,10 @@ fn beyond_the_loads(
 ) -> Option<String> {
     /// Most that a study can calibrate, N.
     const MOST: f64 = 1e6;
-    let of = |force: &HarmonicForce| force.constant + force.amplitude.abs();
     let weight = (scenario.suspended_mass + scenario.wheel_mass.unwrap_or(0.0)) * scenario.gravity;
     // a force that lifts the wheel loads no spring
-    let down = (of(&scenario.vertical_force) + weight).max(0.0);
-    let aside = scenario.lateral_force.constant.abs() + scenario.lateral_force.amplitude.abs();
+    let down = (scenario.vertical_force.bounds()[1] + weight).max(0.0);
+    let aside = scenario.lateral_force.largest();
     let load = down.hypot(aside);
     if load <= largest {
         return None;

@@ -9,6 +9,7 @@
 mod assessment;
 mod material;
 mod bodies;
+mod function;
 mod output;
 mod scenario;
 mod solid;
@@ -29,6 +30,7 @@ pub use bodies::{
     Inclination, MeshFileKeys, RailBodyKey, RailDimensionKeys, RailKeys, SurfaceKeys, UnitKey, WebKey,
     WheelKeys,
 };
+pub use function::{HarmonicForceKeys, HarmonicMomentKeys, Interpolation, TableKeys};
 pub use material::{BodyMaterialKeys, GroupMaterialKeys, MaterialKeys};
 pub use output::{OutputKeys, SolidLoadsKey, VerticalKey};
 pub use scenario::{ForceKeys, ScenarioKeys, SuspensionKeys, TorsionKeys};

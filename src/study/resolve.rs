@@ -3,18 +3,18 @@
 
 mod assessment;
 mod bodies;
+mod load_cases;
 mod uncertainty;
 
 use std::collections::BTreeMap;
 
 use assessment::measured_curve;
 use bodies::{rail, wheel};
+use load_cases::{scenario, take_tables};
 use railspring_calibrate::mesh::MeshOptions;
 use railspring_profiles::error::InputError;
-use railspring_profiles::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE, TONNE};
+use railspring_profiles::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE};
 use railspring_simulate::solid::RailPath;
-use railspring_simulate::time::scenario::{HarmonicForce, Kelvin, Scenario};
-use railspring_simulate::time::steps::InnerSteps;
 use serde_json::Value;
 use uncertainty::uncertainty;
 
@@ -24,9 +24,8 @@ use super::check::{Finding, nearest};
 use super::checked::Study;
 use super::collect::Collector;
 use super::document::{
-    CalibrationKeys, ContactElementKey, ContactKeys, EnforcementKey, FieldKey, ForceKeys, Inclination,
-    LawKey, MeshKeys, ReferenceKey, SECTIONS, ScenarioKeys, SpacingKey, StudyDocument, SuspensionKeys,
-    TorsionKeys, TransientKey,
+    CalibrationKeys, ContactElementKey, ContactKeys, EnforcementKey, FieldKey, Inclination, LawKey, MeshKeys,
+    ReferenceKey, SECTIONS, ScenarioKeys, SpacingKey, StudyDocument, TransientKey,
 };
 use super::pair::Track;
 use super::record::{ResolvedKey, ResolvedKeys};
@@ -59,7 +58,8 @@ pub(super) fn resolve(
         for mistake in scenario_mistakes(name, keys, &document) {
             collector.add(&[&here, "rail.length_m"], mistake);
         }
-        let resolved = scenario(keys, friction);
+        let mut resolved = scenario(keys, friction);
+        take_tables((name, keys, &mut resolved), &source, &mut collector);
         let checked = resolved.scenario.check().map_err(|error| source.with_keys_of(name, error));
         collector.take(&[&here, "contact.friction"], checked);
         scenarios.insert(name.clone(), resolved);
@@ -317,55 +317,6 @@ fn scenario_mistakes(name: &str, keys: &ScenarioKeys, document: &StudyDocument) 
         ));
     }
     mistakes
-}
-
-fn scenario(keys: &ScenarioKeys, friction: f64) -> StudyScenario {
-    StudyScenario {
-        description: keys.description.clone(),
-        solid: keys.solid,
-        ratio_limit: keys.ratio_limit,
-        snapshots: keys.snapshots_s.clone(),
-        notes: Vec::new(),
-        scenario: Scenario {
-            steps: keys.steps,
-            time_step: keys.time_step_s,
-            inner_steps: InnerSteps::Equal(1),
-            friction: keys.friction.unwrap_or(friction),
-            gravity: keys.gravity_m_per_s2,
-            suspended_mass: keys.suspended_mass_t * TONNE,
-            vertical_suspension: kelvin(&keys.vertical_suspension),
-            vertical_force: force(&keys.vertical_force),
-            lateral_suspension: kelvin(&keys.lateral_suspension),
-            lateral_force: force(&keys.lateral_force),
-            rail_torsion: keys.rail_torsion.as_ref().map(torsion),
-            wheel_mass: keys.wheel_mass_t.map(|mass| mass * TONNE),
-            start_x: keys.start_x_m,
-            speed: keys.speed_m_per_s,
-            rotations_held: keys.rotations_held,
-        },
-    }
-}
-
-fn kelvin(keys: &SuspensionKeys) -> Kelvin {
-    Kelvin { stiffness: keys.stiffness_kn_per_m * KILONEWTON, damping: keys.damping_kn_s_per_m * KILONEWTON }
-}
-
-fn force(keys: &ForceKeys) -> HarmonicForce {
-    HarmonicForce {
-        constant: keys.mean_kn * KILONEWTON,
-        amplitude: keys.amplitude_kn * KILONEWTON,
-        frequency: keys.frequency_hz,
-        phase: keys.phase_deg.to_radians(),
-    }
-}
-
-fn torsion(keys: &TorsionKeys) -> HarmonicForce {
-    HarmonicForce {
-        constant: keys.mean_kn_m * KILONEWTON,
-        amplitude: keys.amplitude_kn_m * KILONEWTON,
-        frequency: keys.frequency_hz,
-        phase: keys.phase_deg.to_radians(),
-    }
 }
 
 /// Some names, of a long list the first and their number.

@@ -23,6 +23,12 @@ impl TrackColumn {
     }
 }
 
+/// The columns of the wheels whose names end so, such as `p_kn`.
+pub(super) fn of_wheels<'c>(columns: &'c [TrackColumn], end: &str) -> Vec<&'c TrackColumn> {
+    let names = ["", "right_", "left_"].map(|side| format!("{side}{end}"));
+    columns.iter().filter(|column| names.contains(&column.name)).collect()
+}
+
 /// How the columns of a wheel begin: of a single one there is only one.
 pub(super) fn sides(case: &TrackCase) -> &'static [&'static str] {
     if case.running.wheels() == 2 { &["right_", "left_"] } else { &[""] }

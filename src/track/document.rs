@@ -9,9 +9,11 @@ mod lateral;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::study::document::TableKeys;
+
 pub use excitation::{
-    ForceKeys, GroundKeys, HarmonicAccelerationKeys, HarmonicForceKeys, HarmonicMomentKeys, Interpolation,
-    IrregularityKey, IrregularityKeys, MomentKeys, SideKey, TableKeys, UnevenKey,
+    ForceKeys, GroundKeys, HarmonicAccelerationKeys, IrregularityKey, IrregularityKeys, MomentKeys, SideKey,
+    UnevenKey,
 };
 pub use lateral::{LateralFoundationKeys, LateralKeys, LateralSleeperKeys, RailTorsionKeys};
 pub use probe::{OnKey, ProbeKeys, ProbeSideKey};

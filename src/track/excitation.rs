@@ -5,14 +5,15 @@ use std::path::Path;
 
 use railspring_profiles::error::InputError;
 use railspring_profiles::units::{KILONEWTON, MILLIMETRE};
-use railspring_simulate::time::scenario::{HarmonicForce, LEAST_STEPS_PER_PERIOD};
-use railspring_simulate::track::{Irregularity, RailTorsion, Spectrum, TimeFunction, UnevenRail, Way};
+use railspring_simulate::time::function::{HarmonicForce, LEAST_STEPS_PER_PERIOD, TimeFunction};
+use railspring_simulate::track::{Irregularity, RailTorsion, Spectrum, UnevenRail, Way};
 
 use super::document::{
-    ExcitationKeys, ForceKeys, GroundKeys, Interpolation, IrregularityKey, IrregularityKeys, ProbeSideKey,
-    RunKeys, SideKey, TableKeys, UnevenKey,
+    ExcitationKeys, ForceKeys, GroundKeys, HarmonicAccelerationKeys, IrregularityKey, IrregularityKeys,
+    ProbeSideKey, RunKeys, SideKey, UnevenKey,
 };
-use super::tables::{FileRecord, Over, Table};
+use crate::study::document::{HarmonicForceKeys, HarmonicMomentKeys, Interpolation, TableKeys};
+use crate::study::tables::{FileRecord, Over, Shorter, Steps, Table};
 
 /// Samples that a period of the wheel on its contact must have at least.
 const LEAST_SAMPLES: f64 = 4.0;
@@ -31,11 +32,20 @@ pub(super) struct Around<'a> {
     pub lateral: bool,
 }
 
+impl Around<'_> {
+    fn steps(&self) -> Steps {
+        let shorter = Shorter::InnerSteps("run.inner_steps".into());
+        Steps { duration: self.duration, step: self.step, count: "run.steps".into(), shorter }
+    }
+}
+
 /// Mistakes and files, as they are found.
 #[derive(Default)]
 pub(super) struct Found {
     pub mistakes: Vec<InputError>,
     pub files: Vec<FileRecord>,
+    /// What has to be known about the files.
+    pub notes: Vec<String>,
 }
 
 impl Found {
@@ -45,18 +55,18 @@ impl Found {
 
     /// The rows of a table over the time of the run, if they are right.
     fn over_time(&mut self, around: &Around<'_>, key: &str, keys: &TableKeys) -> Vec<(f64, f64)> {
-        let Some(table) = self.took(Table::read(around.folder, key, keys, Over::Time)) else {
-            return Vec::new();
-        };
-        let checks = [table.check_covers([0.0, around.duration]), table.check_steps(around.step)];
-        self.mistakes.extend(checks.into_iter().filter_map(Result::err));
-        self.files.push(table.file);
-        table.rows
+        match Table::over_time(around.folder, key, keys, &around.steps()) {
+            Ok(table) => {
+                self.files.push(table.file);
+                table.rows
+            }
+            Err(mistakes) => {
+                self.mistakes.extend(mistakes);
+                Vec::new()
+            }
+        }
     }
 }
-
-/// Amplitude in SI units, frequency (Hz) and phase (degrees) of a sine.
-type Sine = (f64, f64, f64);
 
 /// A value over time of the key `key`, its table in units of `unit`.
 fn function(
@@ -64,17 +74,10 @@ fn function(
     found: &mut Found,
     key: &str,
     mean: f64,
-    sines: impl Iterator<Item = Sine>,
+    sines: impl Iterator<Item = HarmonicForce>,
     table: (Option<&TableKeys>, f64),
 ) -> TimeFunction {
-    let mut harmonics: Vec<HarmonicForce> = sines
-        .map(|(amplitude, frequency, phase)| HarmonicForce {
-            constant: 0.0,
-            amplitude,
-            frequency,
-            phase: phase.to_radians(),
-        })
-        .collect();
+    let mut harmonics: Vec<HarmonicForce> = sines.collect();
     if mean != 0.0 {
         harmonics.push(HarmonicForce::constant(mean));
     }
@@ -139,8 +142,7 @@ pub(super) fn lateral_functions(
             let remedy = "correct the place, or the length of the rail";
             found.mistakes.push(InputError::new(format!("{key}.at_m"), keys.at_m, expected, remedy));
         }
-        let sines =
-            keys.harmonics.iter().map(|h| (h.amplitude_kn_m * KILONEWTON, h.frequency_hz, h.phase_deg));
+        let sines = keys.harmonics.iter().map(HarmonicMomentKeys::sine);
         let table = (keys.table.as_ref(), KILONEWTON);
         let moment = function(around, found, &key, keys.mean_kn_m * KILONEWTON, sines, table);
         let rail = usize::from(keys.side == ProbeSideKey::Left);
@@ -150,13 +152,13 @@ pub(super) fn lateral_functions(
 }
 
 fn forced(force: &ForceKeys, key: &str, around: &Around<'_>, found: &mut Found) -> TimeFunction {
-    let sines = force.harmonics.iter().map(|h| (h.amplitude_kn * KILONEWTON, h.frequency_hz, h.phase_deg));
+    let sines = force.harmonics.iter().map(HarmonicForceKeys::sine);
     let table = (force.table.as_ref(), KILONEWTON);
     function(around, found, &format!("excitation.{key}"), force.mean_kn * KILONEWTON, sines, table)
 }
 
 fn shaken(ground: &GroundKeys, key: &str, around: &Around<'_>, found: &mut Found) -> TimeFunction {
-    let sines = ground.harmonics.iter().map(|h| (h.amplitude_m_per_s2, h.frequency_hz, h.phase_deg));
+    let sines = ground.harmonics.iter().map(HarmonicAccelerationKeys::sine);
     function(around, found, &format!("excitation.{key}"), 0.0, sines, (ground.table.as_ref(), 1.0))
 }
 
@@ -164,8 +166,7 @@ fn shaken(ground: &GroundKeys, key: &str, around: &Around<'_>, found: &mut Found
 pub(super) fn functions(keys: &ExcitationKeys, around: &Around<'_>, found: &mut Found) -> [TimeFunction; 3] {
     let force = keys.vertical_force.as_ref().map(|force| forced(force, "vertical_force", around, found));
     let moment = keys.roll_moment.as_ref().map(|moment| {
-        let sines =
-            moment.harmonics.iter().map(|h| (h.amplitude_kn_m * KILONEWTON, h.frequency_hz, h.phase_deg));
+        let sines = moment.harmonics.iter().map(HarmonicMomentKeys::sine);
         let mean = moment.mean_kn_m * KILONEWTON;
         let table = (moment.table.as_ref(), KILONEWTON);
         function(around, found, "excitation.roll_moment", mean, sines, table)
@@ -358,8 +359,8 @@ fn irregularity(
             let table = found.took(Table::read(around.folder, &key, keys.table.as_ref()?, Over::Place))?;
             let within = reached(way, around, length);
             let checks = [
-                table.check_covers(within),
-                table.check_steps(per_step),
+                table.check_covers(within, "run.steps"),
+                table.check_steps(per_step, &around.steps().shorter),
                 sampled_for(&table, &key, way.fastest(), own),
             ];
             found.mistakes.extend(checks.into_iter().filter_map(Result::err));

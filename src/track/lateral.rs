@@ -1,12 +1,12 @@
 //! A wheelset across the track: what the section `[lateral]` makes of a load case.
 
+use std::path::Path;
+
 use nalgebra::Point2;
 use railspring_calibrate::law::StiffnessLaw;
-use railspring_calibrate::section_analysis::rail_properties;
 use railspring_profiles::error::{Error, InputError};
 use railspring_profiles::placement::{TrackGeometry, place_rail, touch};
-use railspring_profiles::profile::wheels::wheel_profile;
-use railspring_profiles::section::{RailSection, rail_section};
+use railspring_profiles::profile::ProfileCurve;
 use railspring_profiles::units::{KILONEWTON_PER_METRE, MILLIMETRE};
 use railspring_simulate::element::published::{MovingModel, WheelSprings, WheelsetContact, WheelsetSide};
 use railspring_simulate::track::{
@@ -16,7 +16,8 @@ use railspring_simulate::track::{
 
 use super::beams::{kelvin, sleeper_places};
 use super::document::{LateralKeys, RunningKey, TrackDocument};
-use super::excitation::LateralFunctions;
+use super::excitation::{Found, LateralFunctions};
+use super::profiles::{self, AnalysedRail, expected};
 
 type Result<T> = std::result::Result<T, InputError>;
 
@@ -33,8 +34,13 @@ fn refused(key: &str, value: &str, expected: &str, remedy: &str) -> InputError {
     InputError::new(key, value, expected, remedy)
 }
 
-/// The parts of a study with `[lateral]`, and whether the rest of it goes with them.
-pub(super) fn parts(document: &TrackDocument, keys: &LateralKeys) -> Result<Parts> {
+/// The parts of a study with `[lateral]`, and whether the rest of it goes with them; files lie relative to `folder`.
+pub(super) fn parts(
+    document: &TrackDocument,
+    keys: &LateralKeys,
+    folder: &Path,
+    found: &mut Found,
+) -> Result<Parts> {
     let name = |kind: RunningKey| if kind == RunningKey::Force { "\"force\"" } else { "\"wheel\"" };
     if document.wheel.kind != RunningKey::Wheelset {
         let expected = "\"wheelset\": a single wheel or a force does not move across the track";
@@ -73,26 +79,28 @@ pub(super) fn parts(document: &TrackDocument, keys: &LateralKeys) -> Result<Part
     held_across(document, keys)?;
     let right_rail = keys.rail_profile.as_deref().or(rail.profile.as_deref());
     let Some(right_rail) = right_rail else {
-        let expected = "the standard rail whose running surface a rail has that does not move";
+        let expected = "the rail whose running surface a rail has that does not move";
         return Err(refused("lateral.rail_profile", "(missing)", expected, "add this key"));
     };
     let left_rail = keys.left_rail_profile.as_deref();
     let left_wheel = keys.left_wheel_profile.as_deref();
     let right_key = if keys.rail_profile.is_some() { "lateral.rail_profile" } else { "rail.profile" };
-    let wheel_keys =
-        ["wheel_profile", if left_wheel.is_some() { "left_wheel_profile" } else { "wheel_profile" }];
-    let analysed = |key: &str, name: &str| Analysed::of(name).map_err(|error| unusable(key, name, error));
-    let of_right = analysed(right_key, right_rail)?;
+    let of_right = profiles::rail(folder, right_key, right_rail, found)?;
     let of_left = match left_rail.filter(|name| *name != right_rail) {
         None => of_right.clone(),
-        Some(name) => analysed("lateral.left_rail_profile", name)?,
+        Some(name) => profiles::rail(folder, "lateral.left_rail_profile", name, found)?,
     };
-    let right = side(keys, &of_right, (&keys.wheel_profile, wheel_keys[0]), 1.0)?;
-    let left = side(keys, &of_left, (left_wheel.unwrap_or(&keys.wheel_profile), wheel_keys[1]), -1.0)?;
+    let right_wheel = profiles::wheel(folder, "lateral.wheel_profile", &keys.wheel_profile, found)?;
+    let left_wheel = match left_wheel.filter(|name| *name != keys.wheel_profile) {
+        None => right_wheel.clone(),
+        Some(name) => profiles::wheel(folder, "lateral.left_wheel_profile", name, found)?,
+    };
+    let right = side(keys, &of_right, right_wheel, 1.0)?;
+    let left = side(keys, &of_left, left_wheel, -1.0)?;
     let foot = match rail.profile.as_deref().filter(|_| !rail.rigid) {
         None => 0.0,
         Some(beam) if beam == right_rail => of_right.foot,
-        Some(beam) => analysed("rail.profile", beam)?.foot,
+        Some(beam) => profiles::rail(folder, "rail.profile", beam, found)?.foot,
     };
     Ok(Parts { sides: [right, left], keys: keys.clone(), foot })
 }
@@ -142,36 +150,8 @@ fn held_across(document: &TrackDocument, keys: &LateralKeys) -> Result<()> {
     }
 }
 
-fn unusable(key: &str, name: &str, error: Error) -> InputError {
-    let expected = match error {
-        Error::Input(error) => error.expected,
-        other => other.to_string(),
-    };
-    InputError::new(key, format!("{name:?}"), expected, "`railspring profile list` has the standard profiles")
-}
-
-/// A standard rail, and how far its foot is below its line of shear centres, m.
-#[derive(Clone)]
-struct Analysed {
-    section: RailSection,
-    foot: f64,
-}
-
-impl Analysed {
-    fn of(name: &str) -> railspring_profiles::error::Result<Self> {
-        let section = rail_section(name)?;
-        let foot = rail_properties(&section)?.shear_centre_height;
-        Ok(Self { section, foot })
-    }
-}
-
-/// A wheel, with the name and the key of its profile, on its rail; `toward` is 1 on the right side.
-fn side(
-    keys: &LateralKeys,
-    rail: &Analysed,
-    (wheel, leaf): (&str, &str),
-    toward: f64,
-) -> Result<WheelsetSide> {
+/// A wheel of this profile on its rail; `toward` is 1 on the right side.
+fn side(keys: &LateralKeys, rail: &AnalysedRail, curve: ProfileCurve, toward: f64) -> Result<WheelsetSide> {
     let geometry = TrackGeometry {
         gauge: keys.gauge_mm * MILLIMETRE,
         flange_back: keys.flange_back_mm * MILLIMETRE,
@@ -179,9 +159,11 @@ fn side(
         ..TrackGeometry::standard()
     };
     let section = &rail.section;
-    let placed = place_rail(section, &geometry)
-        .map_err(|error| unusable("lateral.gauge_mm", &keys.gauge_mm.to_string(), error))?;
-    let curve = wheel_profile(wheel).map_err(|error| unusable(&format!("lateral.{leaf}"), wheel, error))?;
+    let placed = place_rail(section, &geometry).map_err(|error| {
+        // the track's own numbers are within their ranges
+        let remedy = "give a profile that goes on further down the gauge side";
+        InputError::new(&rail.key, format!("{:?}", rail.name), expected(error), remedy)
+    })?;
     let arm = geometry.tape_y(&curve);
     let tape_y = arm + toward * keys.lateral_shift_mm * MILLIMETRE;
     let touch = touch(&placed, &curve, tape_y).map_err(|error| match error {

@@ -4,7 +4,7 @@ use railspring_profiles::units::{KILONEWTON, MILLIMETRE};
 use railspring_simulate::track::{AcrossCase, AcrossRow, AcrossRun, RailSeen, WheelAcross};
 
 use super::columns::TrackColumn;
-use crate::verify::{WINDOW, low_passed};
+use crate::verify::{RatioAlong, WINDOW, low_passed};
 
 /// A milliradian, rad.
 const MILLIRADIAN: f64 = 1e-3;
@@ -162,36 +162,11 @@ fn mean_ratios(run: &AcrossRun, wheel: usize) -> Vec<f64> {
     over_last(&x, &p, &q)
 }
 
-/// Means of q/p over the last 2 m of the places `x`, straight between its values.
+/// Means of q/p over the last 2 m of the places `x`; no number where there is none.
 fn over_last(x: &[f64], p: &[f64], q: &[f64]) -> Vec<f64> {
-    let ratio = |i: usize| if p[i] > 0.0 { q[i] / p[i] } else { f64::NAN };
-    let mut integral = vec![0.0; x.len()];
-    // the last row without a positive P
-    let mut broken = None;
-    let mut first = 0;
-    let mut means = Vec::with_capacity(x.len());
-    for row in 0..x.len() {
-        if !(p[row] > 0.0) {
-            broken = Some(row);
-        }
-        if row > 0 {
-            let area = 0.5 * (x[row] - x[row - 1]) * (ratio(row) + ratio(row - 1));
-            integral[row] = integral[row - 1] + if area.is_finite() { area } else { 0.0 };
-        }
-        let begin = x[row] - WINDOW;
-        while first + 1 < row && x[first + 1] <= begin {
-            first += 1;
-        }
-        if row == 0 || begin < x[0] - 1e-9 || broken.is_some_and(|at| at >= first) {
-            means.push(f64::NAN);
-            continue;
-        }
-        let width = x[first + 1] - x[first];
-        let into = if width > 0.0 { ((begin - x[first]) / width).clamp(0.0, 1.0) } else { 0.0 };
-        let left = into * width * (ratio(first) + 0.5 * into * (ratio(first + 1) - ratio(first)));
-        means.push((integral[row] - integral[first] - left) / WINDOW);
-    }
-    means
+    let along = RatioAlong::new(x, p, q);
+    let mean = |row: usize| along.mean(x[row] - WINDOW, WINDOW, row).unwrap_or(f64::NAN);
+    (0..x.len()).map(mean).collect()
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::columns::TrackColumn;
+use super::columns::{TrackColumn, of_wheels};
 use super::record::TrackRecord;
 use crate::report::accessible::inline;
 use crate::report::html;
@@ -48,12 +48,7 @@ const LATERAL: [Figure; 4] = [
 pub(super) fn page(record: &TrackRecord, columns: &[TrackColumn]) -> String {
     let time = &columns[0].values;
     let mut figures = Vec::new();
-    let both = |end: &str| -> Vec<&TrackColumn> {
-        columns
-            .iter()
-            .filter(|column| ["", "right_", "left_"].iter().any(|side| column.name == format!("{side}{end}")))
-            .collect()
-    };
+    let both = |end: &str| of_wheels(columns, end);
     figures.push(drawn(
         &[panel(&both("p_kn"), time, "P, kN")],
         "Vertical force of the wheel on the rail over time.",

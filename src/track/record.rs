@@ -3,10 +3,10 @@
 use serde::Serialize;
 use serde_json::Value;
 
-use super::columns::TrackColumn;
+use super::columns::{TrackColumn, of_wheels};
 use super::outcome::{DerailmentRecord, Outcome};
 use super::resolve::{FittedLaw, TrackStudy};
-use super::tables::FileRecord;
+use crate::study::tables::FileRecord;
 use crate::version;
 
 /// The record of a run.
@@ -97,14 +97,20 @@ pub(super) fn record(study: &TrackStudy, outcome: &Outcome) -> TrackRecord {
         derailment: outcome.derailment.clone(),
         verification: Verification { verified: false, reason: outcome.unverified },
         figures: columns[2..].iter().filter_map(|column| figures(column, columns)).collect(),
-        notes: study.law.iter().map(|law| range(law, columns)).chain(outcome.notes.iter().cloned()).collect(),
+        notes: study
+            .law
+            .iter()
+            .map(|law| range(law, columns))
+            .chain(study.notes.iter().cloned())
+            .chain(outcome.notes.iter().cloned())
+            .collect(),
     }
 }
 
 /// Where a law was fitted, and how far the vertical forces leave that.
 fn range(law: &FittedLaw, columns: &[TrackColumn]) -> String {
     let FittedLaw { file, range_kn: [least, most] } = law;
-    let forces = columns.iter().filter(|column| column.name == "p_kn" || column.name.ends_with("_p_kn"));
+    let forces = of_wheels(columns, "p_kn").into_iter();
     // a wheel in the air has no force
     let loaded = forces.flat_map(|column| column.values.iter().copied()).filter(|force| *force > 0.0);
     let [low, high] =

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use railspring_calibrate::law::{NormalLaw, StiffnessLaw};
 use railspring_profiles::error::{Error, InputError};
 use railspring_profiles::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE, TONNE};
-use railspring_simulate::time::scenario::{Kelvin, LEAST_STEPS_PER_PERIOD};
+use railspring_simulate::time::function::LEAST_STEPS_PER_PERIOD;
+use railspring_simulate::time::scenario::Kelvin;
 use railspring_simulate::track::{Carrier, Probe, Running, SprungWheel, Start, TrackCase, Wheels, Wheelset};
 use serde_json::Value;
 use toml::de::DeTable;
@@ -18,12 +19,12 @@ use super::document::{
 use super::excitation::{Around, Found, functions, lateral_functions, unevenness, way};
 use super::lateral;
 use super::outcome::LoadCase;
-use super::tables::FileRecord;
 use crate::engine::inputs::Inputs;
 use crate::engine::output::read_json;
 use crate::engine::seal::Sealed;
 use crate::hash::hash;
 use crate::results::springs::record::StiffnessRecord;
+use crate::study::tables::FileRecord;
 use crate::study::{LocatedError, Mistakes, Setting, Source, parsed, schema_of, text_of};
 
 /// What messages call such a study.
@@ -40,6 +41,8 @@ pub struct TrackStudy {
     pub case: LoadCase,
     /// The files that it reads.
     pub files: Vec<FileRecord>,
+    /// What has to be known about the profiles in them.
+    pub notes: Vec<String>,
     /// The law of a calibration, if it has one.
     pub law: Option<FittedLaw>,
     /// Where its keys stand.
@@ -84,9 +87,11 @@ impl TrackStudy {
         let folder = path.parent().map_or_else(PathBuf::new, Path::to_path_buf);
         let mut found = Found::default();
         let made = case(&document, &folder, &mut found);
-        let Found { mistakes, files } = found;
+        let Found { mistakes, files, notes } = found;
         match made {
-            Some((case, law)) if mistakes.is_empty() => Ok(Self { document, case, files, law, source }),
+            Some((case, law)) if mistakes.is_empty() => {
+                Ok(Self { document, case, files, notes, law, source })
+            }
             _ => {
                 let located: Vec<LocatedError> =
                     mistakes.into_iter().map(|mistake| source.locate(mistake)).collect();
@@ -138,10 +143,13 @@ fn case(document: &TrackDocument, folder: &Path, found: &mut Found) -> Option<(L
     let way = way(run, &around, found);
     // all of a wheelset across the track is mirrored at once, in the end
     let mirrored = document.wheel.mirrored && lateral.is_none();
-    let roll = if mirrored { roll.negated() } else { roll };
+    let roll = if mirrored { roll.scaled(-1.0) } else { roll };
     let rail_length = document.rail.length_m.filter(|_| !document.rail.rigid).unwrap_or(f64::INFINITY);
     let sideways = lateral_functions(&document.excitation, &around, rail_length, found);
-    let parts = lateral.and_then(|keys| found.took(lateral::parts(document, keys)));
+    let parts = lateral.and_then(|keys| {
+        let parts = lateral::parts(document, keys, folder, found);
+        found.took(parts)
+    });
     if let (None, Some(velocity)) = (lateral, run.lateral_velocity_m_per_s) {
         found.mistakes.push(InputError::new(
             "run.lateral_velocity_m_per_s",

@@ -186,8 +186,60 @@ fn low_pass(values: impl Iterator<Item = f64>, step: f64) -> Vec<f64> {
     values
 }
 
-/// Means of Q/P over 2 m of track, every 0.5 m: integrals of the ratio, straight between its values. Windows in which P is not positive throughout are left
-/// out, and counted.
+/// Q/P along places, straight between its values.
+pub struct RatioAlong<'a> {
+    places: &'a [f64],
+    ratio: Vec<f64>,
+    /// Of the ratio, from the first place to each.
+    integral: Vec<f64>,
+    /// Rows before each, and after the last, whose P is not positive.
+    unloaded: Vec<usize>,
+}
+
+impl<'a> RatioAlong<'a> {
+    /// Of as many forces as `places`, which do not fall.
+    pub fn new(places: &'a [f64], p: &[f64], q: &[f64]) -> Self {
+        let ratio: Vec<f64> = p.iter().zip(q).map(|(p, q)| if *p > 0.0 { q / p } else { 0.0 }).collect();
+        let (mut integral, mut unloaded) = (vec![0.0], vec![0]);
+        for (places, ratio) in places.windows(2).zip(ratio.windows(2)) {
+            let area = 0.5 * (places[1] - places[0]) * (ratio[0] + ratio[1]);
+            integral.push(integral[integral.len() - 1] + area);
+        }
+        unloaded.extend(p.iter().scan(0, |count, p| {
+            *count += usize::from(!(*p > 0.0));
+            Some(*count)
+        }));
+        Self { places, ratio, integral, unloaded }
+    }
+
+    /// Integral from the first place to one between the rows `row` and `row + 1`.
+    fn up_to(&self, row: usize, place: f64) -> f64 {
+        let width = self.places[row + 1] - self.places[row];
+        let u = if width > 0.0 { (place - self.places[row]) / width } else { 0.0 };
+        let [from, to] = [self.ratio[row], self.ratio[row + 1]];
+        self.integral[row] + u * width * (from + 0.5 * u * (to - from))
+    }
+
+    /// Mean over a `length` from the place `from` on, which ends at the row `last` or between the row before and that; none where P is not positive throughout, and
+    /// where the rows do not reach so far back.
+    pub fn mean(&self, from: f64, length: f64, last: usize) -> Option<f64> {
+        /// ROUNDOFF: of places, beside the length.
+        const ROUNDOFF: f64 = 1e-9;
+        let tolerance = ROUNDOFF * length;
+        if last == 0 || from < self.places[0] - tolerance {
+            return None;
+        }
+        let first = self.places.partition_point(|place| *place <= from + tolerance);
+        let first = first.saturating_sub(1).min(last - 1);
+        if self.unloaded[last + 1] > self.unloaded[first] {
+            return None;
+        }
+        let to = (from + length).min(self.places[last]);
+        Some((self.up_to(last - 1, to) - self.up_to(first, from)) / length)
+    }
+}
+
+/// Means of Q/P over 2 m of track, every 0.5 m. Windows in which P is not positive throughout are left out, and counted.
 ///
 /// # Errors
 /// Why there is none.
@@ -197,35 +249,23 @@ fn ratio_means(p: &[f64], q: &[f64], step: f64, speed: f64) -> Result<(Vec<f64>,
     if speed <= 0.0 {
         return Err(STANDS.into());
     }
-    let ratio: Vec<f64> = p.iter().zip(q).map(|(p, q)| if *p > 0.0 { q / p } else { 0.0 }).collect();
-    let mut integral = vec![0.0];
-    for pair in ratio.windows(2) {
-        integral.push(integral[integral.len() - 1] + 0.5 * (pair[0] + pair[1]));
-    }
-    let last = ratio.len() - 1;
-    // Integral from the start to a place in steps.
-    let up_to = |place: f64| {
-        let i = (place as usize).min(last - 1);
-        let u = place - i as f64;
-        integral[i] + u * (ratio[i] + 0.5 * u * (ratio[i + 1] - ratio[i]))
-    };
+    // places in steps
+    let places: Vec<f64> = (0..p.len()).map(|row| row as f64).collect();
+    let last = p.len() - 1;
     let [window, apart] = [WINDOW, APART].map(|length| length / (speed * step));
     if last == 0 || window > last as f64 + ROUNDOFF {
         let length = last as f64 * step * speed;
         return Err(format!("the wheel travels {length:.2} m, less than the 2 m of the mean"));
     }
+    let along = RatioAlong::new(&places, p, q);
     let begins =
         (0..).map(|i| f64::from(i) * apart).take_while(|begin| begin + window <= last as f64 + ROUNDOFF);
-    let (mut means, mut left_out) = (Vec::new(), 0);
-    for begin in begins {
-        let end = (begin + window).min(last as f64);
-        // a window that ends on a row has it, and none after it
-        let rows = (begin + ROUNDOFF) as usize..=((end - ROUNDOFF).ceil() as usize).min(last);
-        match p[rows].iter().all(|p| *p > 0.0) {
-            true => means.push((up_to(end) - up_to(begin)) / window),
-            false => left_out += 1,
-        }
-    }
+    // a window that ends on a row has it, and none after it
+    let row_at = |end: f64| ((end - ROUNDOFF).ceil() as usize).min(last);
+    let found: Vec<Option<f64>> =
+        begins.map(|begin| along.mean(begin, window, row_at(begin + window))).collect();
+    let means: Vec<f64> = found.iter().copied().flatten().collect();
+    let left_out = found.len() - means.len();
     Ok((means, left_out))
 }
 

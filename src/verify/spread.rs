@@ -1,7 +1,7 @@
 //! How far a run is determined by its inputs: the same load case with one of them 0.1 % larger.
 
 use railspring_simulate::time::history::{Ending, History, HistoryRow};
-use railspring_simulate::time::scenario::{HarmonicForce, Scenario};
+use railspring_simulate::time::scenario::Scenario;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -38,25 +38,16 @@ pub struct Spread {
 /// The load case with 0.1 % more lateral force, and what that is more of; without a lateral force, with more of what there is: vertical force, torsion
 /// of the rail or gravity; none without any load.
 pub fn disturbed(scenario: &Scenario) -> Option<(Scenario, &'static str)> {
-    let acts = |force: &HarmonicForce| {
-        let swings = force.frequency != 0.0 || force.phase.sin() != 0.0;
-        force.constant != 0.0 || (force.amplitude != 0.0 && swings)
-    };
     let more = 1.0 + DISTURBANCE;
-    let scaled = |force: HarmonicForce| HarmonicForce {
-        constant: more * force.constant,
-        amplitude: more * force.amplitude,
-        ..force
-    };
     let mut other = scenario.clone();
-    let what = if acts(&scenario.lateral_force) {
-        other.lateral_force = scaled(scenario.lateral_force);
+    let what = if scenario.lateral_force.acts() {
+        other.lateral_force = other.lateral_force.scaled(more);
         "lateral force"
-    } else if acts(&scenario.vertical_force) {
-        other.vertical_force = scaled(scenario.vertical_force);
+    } else if scenario.vertical_force.acts() {
+        other.vertical_force = other.vertical_force.scaled(more);
         "vertical force"
-    } else if let Some(torsion) = scenario.rail_torsion.filter(acts) {
-        other.rail_torsion = Some(scaled(torsion));
+    } else if let Some(torsion) = scenario.rail_torsion.as_ref().filter(|torsion| torsion.acts()) {
+        other.rail_torsion = Some(torsion.clone().scaled(more));
         "torsion of the rail"
     } else if scenario.gravity != 0.0 {
         other.gravity *= more;

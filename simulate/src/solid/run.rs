@@ -321,7 +321,7 @@ impl TransientModel<'_> {
     /// What acts on the rail at time `t`, s, besides the contact, and where that is.
     fn on_rail(&self, scenario: &Scenario, t: f64) -> BodyLoad {
         let place = self.path.map_or(0.0, |path| path.place(scenario, t));
-        let torsion = scenario.rail_torsion.map_or(0.0, |torsion| torsion.at(t));
+        let torsion = scenario.rail_torsion.as_ref().map_or(0.0, |torsion| torsion.at(t));
         BodyLoad { place, torsion, ..BodyLoad::default() }
     }
 

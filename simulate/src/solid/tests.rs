@@ -12,7 +12,8 @@ mod widening;
 
 use super::run::Step;
 use super::*;
-use crate::time::scenario::{HarmonicForce, Kelvin};
+use crate::time::function::TimeFunction;
+use crate::time::scenario::Kelvin;
 use crate::time::steps::StepControl;
 use nalgebra::Point2;
 use railspring_calibrate::analytic::drop::drop;
@@ -216,7 +217,7 @@ impl Ledger {
         energy += 0.5 * mass * suspended.v.powi(2) + 0.5 * spring.stiffness * (suspended.u - hub).powi(2);
         let moment = step.sums[1].moment;
         let [moment_before, z_before, hub_before] = self.before;
-        let weight = scenario.vertical_force.constant + mass * scenario.gravity;
+        let weight = scenario.vertical_force.at(0.0) + mass * scenario.gravity;
         let stroke = suspended.u - hub - (z_before - hub_before);
         self.outer_work += scenario.gravity * (moment - moment_before) + weight * (suspended.u - z_before)
             - spring.damping * stroke * stroke / step.length;
@@ -385,7 +386,7 @@ fn energy_is_kept_while_a_bar_bounces() {
             gravity: 9.81,
             suspended_mass: 0.5,
             vertical_suspension: Kelvin { stiffness: 5e6, damping: 100.0 },
-            vertical_force: HarmonicForce::constant(2e3),
+            vertical_force: TimeFunction::constant(2e3),
             ..quiet(1500, dt)
         };
         let records = collide(order, [&wall(), &upper], steel(0.0), 1e-6, &scenario);
@@ -552,7 +553,7 @@ fn a_force_on_a_suspension_without_mass_reaches_the_wheel() {
             let force = 2e3;
             let scenario = Scenario {
                 vertical_suspension: Kelvin { stiffness, damping },
-                vertical_force: HarmonicForce::constant(force),
+                vertical_force: TimeFunction::constant(force),
                 ..quiet(40, 1e-6)
             };
             let records = collide(order, [&wall(), &upper], steel(0.0), 0.1, &scenario);

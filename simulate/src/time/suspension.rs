@@ -107,10 +107,9 @@ impl Suspension {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::time::scenario::{HarmonicForce, Kelvin};
+    use crate::time::function::TimeFunction;
+    use crate::time::scenario::Kelvin;
     use crate::time::steps::InnerSteps;
-
-    const QUIET: HarmonicForce = HarmonicForce { constant: 0.0, amplitude: 0.0, frequency: 0.0, phase: 0.0 };
 
     fn scenario(suspended_mass: f64, vertical_suspension: Kelvin) -> Scenario {
         Scenario {
@@ -121,9 +120,9 @@ mod tests {
             gravity: 9.81,
             suspended_mass,
             vertical_suspension,
-            vertical_force: QUIET,
+            vertical_force: TimeFunction::default(),
             lateral_suspension: vertical_suspension,
-            lateral_force: QUIET,
+            lateral_force: TimeFunction::default(),
             rail_torsion: None,
             wheel_mass: None,
             start_x: None,

@@ -5,8 +5,8 @@ use crate::element::published::{Derailment, WheelContact, WheelsetContact};
 use super::irregularity::{Irregularity, Unevenness};
 use super::rails::{RailSeen, TwoRails};
 use super::swaying::{SuspensionForce, SwayingWheelset};
-use super::time_function::TimeFunction;
 use super::way::Way;
+use crate::time::function::TimeFunction;
 
 /// How a run across the track begins. The rails are at rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -182,7 +182,7 @@ impl AcrossCase {
         self.uneven.reverse();
         let [lateral, _] = &mut self.ground;
         for function in [&mut self.lateral_force, &mut self.roll, lateral] {
-            *function = std::mem::take(function).negated();
+            *function = std::mem::take(function).scaled(-1.0);
         }
         self.torsion.iter_mut().for_each(|torsion| torsion.rail = 1 - torsion.rail);
         self.probes.iter_mut().for_each(|probe| probe.rail = 1 - probe.rail);

@@ -5,8 +5,8 @@ use railspring_calibrate::law::NormalLaw;
 use super::irregularity::Unevenness;
 use super::running::Running;
 use super::structure::{Carrier, Track};
-use super::time_function::TimeFunction;
 use super::way::Way;
+use crate::time::function::TimeFunction;
 
 /// How a run begins. The rail is at rest.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::time_function::interpolated;
+use crate::time::function::interpolated;
 
 /// One cause of unevenness; heights are positive upwards.
 #[derive(Debug, Clone, PartialEq)]

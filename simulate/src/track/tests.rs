@@ -14,6 +14,7 @@ use railspring_calibrate::beam::BeamSection;
 use railspring_calibrate::law::StiffnessLaw;
 
 use super::*;
+use crate::time::function::TimeFunction;
 use crate::time::scenario::Kelvin;
 
 /// A section with a bending stiffness (N·m²) and a mass (kg/m), without shear and rotary inertia.

@@ -4,7 +4,8 @@ use railspring_calibrate::beam::RailBeam;
 use railspring_profiles::error::{InputError, Result};
 use railspring_simulate::element::condensed::RailAtWheel;
 use railspring_simulate::element::condensed::parts::{Bushing, Oscillator};
-use railspring_simulate::time::scenario::{HarmonicForce, Kelvin, Scenario};
+use railspring_simulate::time::function::{HarmonicForce, TimeFunction};
+use railspring_simulate::time::scenario::{Kelvin, Scenario};
 
 use super::constants::Constants;
 use super::pair::LumpedPair;
@@ -27,6 +28,8 @@ pub(in crate::export) struct LumpedCase<'a> {
     pub pair: LumpedPair<'a>,
     /// The load case.
     pub scenario: &'a Scenario,
+    /// Its vertical and lateral force.
+    forces: [HarmonicForce; 2],
     /// The rail by its modes.
     pub rail: RailAtWheel,
     /// The rail as a beam.
@@ -61,7 +64,7 @@ impl<'a> LumpedCase<'a> {
     ) -> Result<Self> {
         let (study, geometry) = (pair.surfaces.study, &pair.surfaces.geometry);
         let (name, case) = chosen(study, name)?;
-        check(name, case)?;
+        let forces = check(name, case)?;
         let input = SimpleRunInput::of(study, case);
         // with a node in the middle
         let elements = study.simulation.rail_elements.next_multiple_of(2);
@@ -72,6 +75,7 @@ impl<'a> LumpedCase<'a> {
         let place = case.scenario.start_x.unwrap_or(0.5 * beam.length());
         Ok(Self {
             scenario: &case.scenario,
+            forces,
             rail: model.rail_at(place, HIGHEST)?,
             beam: BeamAtWheel { beam, place, bushing: model.bushing_on_beam(place)? },
             surfaces: LumpedSurfaces::of(&geometry.pair, &pair.element.strips),
@@ -102,8 +106,8 @@ impl<'a> LumpedCase<'a> {
         c.number("SUSPENSION_STIFFNESS", stiffness, "N/m, vertical, between hub and suspended mass");
         c.number("SUSPENSION_DAMPING", damping, "N s/m");
         for (name, force, on) in [
-            ("VERTICAL", scenario.vertical_force, "suspended mass, down"),
-            ("LATERAL", scenario.lateral_force, "hub, to the field side"),
+            ("VERTICAL", self.forces[0], "suspended mass, down"),
+            ("LATERAL", self.forces[1], "hub, to the field side"),
         ] {
             let HarmonicForce { mut constant, mut amplitude, mut frequency, mut phase } = force;
             if frequency == 0.0 || amplitude == 0.0 {
@@ -171,8 +175,8 @@ fn chosen<'a>(study: &'a Study, name: Option<&str>) -> Result<(&'a str, &'a Stud
     })
 }
 
-/// Whether a model that stays in its place can have a load case.
-fn check(name: &str, StudyScenario { scenario, .. }: &StudyScenario) -> Result<()> {
+/// The vertical and the lateral force of a load case that a model which stays in its place can have.
+fn check(name: &str, StudyScenario { scenario, .. }: &StudyScenario) -> Result<[HarmonicForce; 2]> {
     let refuse = |key: &str, value: String, expected: &str| {
         InputError::refuse(
             format!("scenario.{name}.{key}"),
@@ -190,5 +194,10 @@ fn check(name: &str, StudyScenario { scenario, .. }: &StudyScenario) -> Result<(
     if !scenario.rotations_held {
         return refuse("rotations_held", "false".into(), "true: the hub of the model does not turn");
     }
-    Ok(())
+    let of_key = |key| refuse(key, "a sum or a table".into(), "a mean and one sine, which the model has");
+    match [&scenario.vertical_force, &scenario.lateral_force].map(TimeFunction::as_harmonic) {
+        [Some(vertical), Some(lateral)] => Ok([vertical, lateral]),
+        [None, _] => of_key("vertical_force"),
+        [_, None] => of_key("lateral_force"),
+    }
 }

@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use crate::engine::store::{Address, Kind};
 use crate::results::bodies::reach::Reach;
+use crate::study::tables::FileRecord;
 use crate::study::{
     ContactSettings, ElementKey, OutputKeys, Rail, SolidKeys, Source, Statics, Study, StudyScenario, Track,
     Wheel,
@@ -82,6 +83,7 @@ impl<'a> SolidsInput<'a> {
             solid: self.solid,
             damping: self.damping,
             case: &case.scenario,
+            tables: &case.tables,
         }
     }
 }
@@ -132,6 +134,9 @@ pub struct SolidRunInput<'a> {
     pub damping: f64,
     /// The load case.
     pub case: &'a Scenario,
+    /// The files with tables of its forces.
+    #[serde(skip_serializing_if = "<[FileRecord]>::is_empty")]
+    pub tables: &'a [FileRecord],
 }
 
 impl SolidRunInput<'_> {

@@ -10,6 +10,7 @@ use crate::results::bodies::input::calibration_address;
 use crate::results::run::record::{SpringsRecord, SpringsSource};
 use crate::results::springs::record::StiffnessRecord;
 use crate::results::springs::uncertainty_record::InputUncertaintyRecord;
+use crate::study::tables::FileRecord;
 use crate::study::{
     ContactElementKey, OutputKeys, Rail, SimulationSettings, Statics, Study, StudyScenario, Track,
     UncertaintySettings, Wheel,
@@ -64,6 +65,9 @@ pub struct SimpleRunInput<'a> {
     pub simulation: &'a SimulationSettings,
     /// The load case.
     pub case: &'a Scenario,
+    /// The files with tables of its forces.
+    #[serde(skip_serializing_if = "<[FileRecord]>::is_empty")]
+    pub tables: &'a [FileRecord],
 }
 
 impl<'a> SimpleRunInput<'a> {
@@ -76,6 +80,7 @@ impl<'a> SimpleRunInput<'a> {
             damping: study.damping,
             simulation: &study.simulation,
             case: &case.scenario,
+            tables: &case.tables,
         }
     }
 

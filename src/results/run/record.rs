@@ -17,6 +17,7 @@ use crate::results::springs::form::NormalLawRecord;
 use crate::results::springs::record::BeamFactors;
 use crate::rounding::significant;
 use crate::study::ContactElementKey;
+use crate::study::tables::FileRecord;
 use crate::verify::{ModelChange, ModelRun, NumericalUncertainty, Spread, StepChange};
 
 /// The run that a history is of, as a note beside its file.
@@ -53,6 +54,9 @@ pub struct RunRecord {
     /// What other discretisations of the model change, as far as that is known.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub discretisation: Vec<ModelChange>,
+    /// The files with tables of its forces.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub tables: Vec<FileRecord>,
     /// What has to be known about the run, for instance that it leaves the law's fitted range.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
@@ -105,6 +109,7 @@ impl RunRecord {
             step_change: None,
             spread: None,
             discretisation: Vec::new(),
+            tables: Vec::new(),
             notes: Vec::new(),
         }
     }

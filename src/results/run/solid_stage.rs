@@ -171,6 +171,7 @@ impl<'a> SolidRuns<'a> {
         *bodies = moving.into_inner();
         let record = RunRecord {
             wheel_mass_kg: Some(run.wheel_mass),
+            tables: scenario.tables.clone(),
             ..RunRecord::of_solid(&run.history, run.reduction.as_ref(), tried.uncertainty)
         };
         let artefact =

@@ -52,6 +52,7 @@ impl Run {
     /// The run with what has to be known of its load case, which follows from the study's file and not from what the run is made of.
     fn noted(mut self, scenario: &StudyScenario) -> Self {
         self.record.notes.splice(0..0, scenario.notes.iter().cloned());
+        self.record.tables = scenario.tables.clone();
         self
     }
 

@@ -4,6 +4,8 @@ use railspring_profiles::field::InputField;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::function::{HarmonicForceKeys, HarmonicMomentKeys, TableKeys};
+
 /// A load case on one wheel. It begins without load, where the wheel just touches the rail. A force on the suspended mass arrives as its spring is compressed; a lateral force acts at once.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -113,7 +115,7 @@ pub struct SuspensionKeys {
     pub damping_kn_s_per_m: f64,
 }
 
-/// A force `mean + amplitude·sin(2π·frequency·t + phase)`.
+/// A force `mean + amplitude·sin(2π·frequency·t + phase)`, with further sines and a table if they are given; all are added up.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ForceKeys {
@@ -129,9 +131,16 @@ pub struct ForceKeys {
     /// Phase, degrees.
     #[schemars(range(min = -360.0, max = 360.0))]
     pub phase_deg: f64,
+    /// Further sines.
+    #[schemars(length(max = 1000))]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub harmonics: Vec<HarmonicForceKeys>,
+    /// A table over time, kN, such as a record: it reaches over all time steps, which are as short as its samples.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub table: Option<TableKeys>,
 }
 
-/// A torsion `mean + amplitude·sin(2π·frequency·t + phase)`.
+/// A torsion `mean + amplitude·sin(2π·frequency·t + phase)`, with further sines and a table if they are given; all are added up.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct TorsionKeys {
@@ -147,4 +156,11 @@ pub struct TorsionKeys {
     /// Phase, degrees.
     #[schemars(range(min = -360.0, max = 360.0))]
     pub phase_deg: f64,
+    /// Further sines.
+    #[schemars(length(max = 1000))]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub harmonics: Vec<HarmonicMomentKeys>,
+    /// A table over time, kN·m, such as a record: it reaches over all time steps, which are as short as its samples.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub table: Option<TableKeys>,
 }

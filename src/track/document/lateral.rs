@@ -3,22 +3,22 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::excitation::{HarmonicMomentKeys, TableKeys};
 use super::probe::ProbeSideKey;
 use super::wheel::SuspensionKeys;
+use crate::study::document::{HarmonicMomentKeys, TableKeys};
 
 /// What a wheelset across the track needs besides: profiles, friction, and what holds the rails across.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LateralKeys {
-    /// Standard profile of the wheels, such as S1002.
+    /// Profile of the wheels: a standard such as S1002, or the file of a measured one, relative to the study.
     #[schemars(length(min = 1))]
     pub wheel_profile: String,
     /// That of the left wheel; left out, the same.
     #[serde(default)]
     #[schemars(length(min = 1))]
     pub left_wheel_profile: Option<String>,
-    /// Standard rail whose running surface the rails have; left out, `rail.profile`.
+    /// Running surface of the rails: a standard rail, or the file of a measured one; left out, `rail.profile`.
     #[serde(default)]
     #[schemars(length(min = 1))]
     pub rail_profile: Option<String>,

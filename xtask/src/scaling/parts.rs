@@ -11,7 +11,8 @@ use railspring_calibrate::superelement::{CondensedBody, FactorSize, Step};
 use railspring_profiles::error::{Error, Result};
 use railspring_profiles::monitor::Monitor;
 use railspring_simulate::solid::{ModeCount, TransientModel};
-use railspring_simulate::time::scenario::{HarmonicForce, Scenario};
+use railspring_simulate::time::function::TimeFunction;
+use railspring_simulate::time::scenario::Scenario;
 use railspring_simulate::time::steps::InnerSteps;
 
 use super::clock::Clock;
@@ -227,7 +228,7 @@ fn scenario(study: &Study) -> Scenario {
             ..case.scenario.clone()
         },
         None => Scenario {
-            vertical_force: HarmonicForce::constant(
+            vertical_force: TimeFunction::constant(
                 0.5 * study.calibration.loads.last().copied().unwrap_or(0.0),
             ),
             ..Scenario::new(STEPS, TIME_STEP, study.contact.friction)

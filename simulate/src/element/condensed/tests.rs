@@ -2,8 +2,9 @@
 
 use nalgebra::{Matrix3, Point2, Vector2, Vector3};
 
+use crate::time::function::TimeFunction;
 use crate::time::history::{ContactMode, Ending, HistoryRow};
-use crate::time::scenario::{HarmonicForce, Kelvin, Scenario};
+use crate::time::scenario::{Kelvin, Scenario};
 use crate::time::steps::{InnerSteps, StepControl};
 use railspring_calibrate::analytic::drop::drop;
 use railspring_calibrate::law::StiffnessLaw;
@@ -251,8 +252,8 @@ fn a_flank_has_the_forces_of_nadal() {
             model.initial.displacement = [depth * angle.sin(), depth * angle.cos()];
             let scenario = Scenario {
                 friction,
-                vertical_force: HarmonicForce::constant(vertical),
-                lateral_force: HarmonicForce::constant(lateral),
+                vertical_force: TimeFunction::constant(vertical),
+                lateral_force: TimeFunction::constant(lateral),
                 inner_steps: InnerSteps::Equal(16),
                 ..quiet(20, 5e-4)
             };
@@ -296,11 +297,8 @@ fn a_stuck_wheel_swings_on_the_tangential_stiffness() {
     let mut model = crowned(mass, share);
     let depth = (force / HERTZ).powf(2.0 / 3.0);
     model.initial = InitialMotion { displacement: [0.0, depth], velocity: [AWAY, 0.0], carried: 0.0 };
-    let scenario = Scenario {
-        friction: 0.5,
-        vertical_force: HarmonicForce::constant(force),
-        ..quiet(1600, 5e-4 / 16.0)
-    };
+    let scenario =
+        Scenario { friction: 0.5, vertical_force: TimeFunction::constant(force), ..quiet(1600, 5e-4 / 16.0) };
     let run = model.run(&scenario, &Silent).unwrap();
     let omega = (share * 1.5 * HERTZ * depth.sqrt() / mass).sqrt();
     let rows = &run.history.rows;
@@ -376,7 +374,7 @@ fn a_mirrored_run_is_the_mirror_image() {
         for mode in &mut wheel.modes {
             (mode.rim, mode.coupling) = (mirror * mode.rim, mirror * mode.coupling);
         }
-        let lateral_force = HarmonicForce::constant(side * 20e3);
+        let lateral_force = TimeFunction::constant(side * 20e3);
         let inner_steps = CondensedModel::STEPS;
         let scenario = Scenario { lateral_force, rotations_held: false, inner_steps, ..published() };
         model.run(&scenario, &Silent).unwrap()
@@ -409,7 +407,7 @@ fn apart(one: &MovingRun, other: &MovingRun) -> f64 {
 fn a_last_digit_changes_nothing() {
     for inner_steps in [published().inner_steps, CondensedModel::STEPS] {
         let run = |factor: f64| {
-            let lateral_force = HarmonicForce::constant(20e3 * factor);
+            let lateral_force = TimeFunction::constant(20e3 * factor);
             elastic().run(&Scenario { lateral_force, inner_steps, ..published() }, &Silent).unwrap()
         };
         let (one, other) = (run(1.0), run(1.0 + 1e-13));

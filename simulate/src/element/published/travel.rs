@@ -25,7 +25,7 @@ impl<'a> Travel<'a> {
 
     /// What acts on the rail at `time` (s), and where.
     pub fn load(&self, time: f64) -> RailLoad {
-        RailLoad { x: self.x(time), torsion: self.scenario.rail_torsion.map_or(0.0, |t| t.at(time)) }
+        RailLoad { x: self.x(time), torsion: self.scenario.rail_torsion.as_ref().map_or(0.0, |t| t.at(time)) }
     }
 
     /// How a run ends whose wheel is beyond an end of the rail at `time` (s).

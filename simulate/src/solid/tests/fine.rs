@@ -1,6 +1,7 @@
 //! The stepping with contact on a fine grid: crowned blocks of 60 mm against statics, Hertz' impact, energy and momentum.
 
 use super::*;
+use crate::time::function::HarmonicForce;
 use railspring_calibrate::analytic::hertz::point_contact;
 use railspring_calibrate::calibration::{Bodies, DOWNWARDS, Pressed, WheelOnRail};
 use railspring_calibrate::contact::{Side, resultant};
@@ -166,7 +167,8 @@ fn a_slow_load_gives_the_static_state() {
                 amplitude,
                 frequency: 1.0 / (20.0 * dt),
                 phase,
-            },
+            }
+            .into(),
             ..Scenario::new(2, dt, friction)
         };
         let mut steps: Vec<(f64, f64, Vec<f64>)> = Vec::new();

@@ -4,7 +4,7 @@ use nalgebra::Point2;
 
 use super::*;
 use crate::element::published::{Derailment, WheelSprings, WheelsetContact, WheelsetSide};
-use crate::time::scenario::HarmonicForce;
+use crate::time::function::HarmonicForce;
 use railspring_calibrate::beam::Torsion;
 use railspring_calibrate::section_analysis::rail_properties;
 use railspring_calibrate::solid::Material;

@@ -3,7 +3,6 @@
 use std::f64::consts::{PI, TAU};
 
 use super::*;
-use crate::time::scenario::HarmonicForce;
 
 const ROUNDOFF: f64 = 1e-12;
 
@@ -25,20 +24,6 @@ fn a_way_is_the_integral_of_its_speeds() {
     }
     assert_eq!(way.fastest(), 10.0);
     assert!((Way::uniform(0.0, 25.0, 10.0, 2.0).x(1.5) - 48.75).abs() < ROUNDOFF * 50.0);
-}
-
-/// Goal: sums of a mean, sines and a table that keeps its ends; sines that steps do not resolve are named by their frequency (Hz).
-#[test]
-fn a_time_function_is_the_sum_of_its_parts() {
-    let sine = |amplitude: f64, frequency: f64| HarmonicForce { amplitude, frequency, ..HarmonicForce::NONE };
-    let function = TimeFunction {
-        harmonics: vec![HarmonicForce::constant(5.0), sine(2.0, 1.0), sine(0.0, 1e6)],
-        table: vec![(1.0, 10.0), (2.0, 30.0)],
-    };
-    for (time, expected) in [(0.25, 17.0), (1.25, 22.0), (1.5, 25.0), (3.25, 37.0)] {
-        assert!((function.at(time) - expected).abs() < ROUNDOFF * 40.0, "{time}: {}", function.at(time));
-    }
-    assert_eq!((function.unresolved(0.05), function.unresolved(0.06)), (None, Some(1.0)));
 }
 
 /// Source: a natural spline of a cubic without curvature at its ends is the cubic. Goal: heights (m) of x³ − 3x over −1.. with second derivatives that vanish at x = 0: samples from 0 to

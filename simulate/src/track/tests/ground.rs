@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::*;
-use crate::time::scenario::HarmonicForce;
+use crate::time::function::HarmonicForce;
 
 /// Source: the equation of a mass on a spring on a ground with the acceleration A·sin(ωt), from rest: u = −A/(ω0² − ω²)·(sin ωt − ω/ω0·sin ω0·t) against the ground. Goal: the force (N) over
 /// three periods of the slower motion for frequencies from a fifth to three times that of the mass. DISCRETISATION: the scheme's period error (ω·Δt)²/12 over all the phase, 2000 steps a period of the

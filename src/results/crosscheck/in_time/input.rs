@@ -2,6 +2,7 @@
 
 use railspring_profiles::error::{InputError, Result};
 use railspring_profiles::field::InputField;
+use railspring_simulate::time::function::{HarmonicForce, TimeFunction};
 use railspring_simulate::time::scenario::Scenario;
 use serde::Serialize;
 
@@ -21,6 +22,8 @@ pub struct InTimeInput<'a> {
     pub name: &'a str,
     /// The load case.
     pub case: &'a Scenario,
+    /// Its vertical and lateral force.
+    pub forces: [HarmonicForce; 2],
     /// Steps of the bodies in each of its time steps; half as many are tried, too.
     pub inner_steps: usize,
     /// Damping of both bodies, s.
@@ -55,55 +58,8 @@ impl<'a> InTimeInput<'a> {
                 );
             }
         };
-        let input =
-            Self { pair: CrosscheckInput::of(study), name, case, inner_steps, damping: study.damping };
-        input.check().map_err(|error| study.source.in_scenario(name, error.into()))?;
-        Ok(input)
-    }
-
-    fn check(&self) -> std::result::Result<(), InputError> {
-        let refuse = |field: InputField, value: String, expected: &str| {
-            Err(InputError::new(field, value, expected, "leave it out, or ask without --in-time"))
-        };
-        let case = self.case;
-        if case.suspended_mass <= 0.0 {
-            return Err(InputError::new(
-                InputField::SuspendedMass,
-                "0",
-                "more than 0: the reference has the vertical force on a suspended mass",
-                "give one, or ask without --in-time",
-            ));
-        }
-        if case.speed != 0.0 {
-            return refuse(
-                InputField::Speed,
-                format!("{} m/s", case.speed),
-                "0: the reference's wheel does not roll",
-            );
-        }
-        if case.rail_torsion.is_some() {
-            return refuse(
-                InputField::RailTorsion,
-                "given".into(),
-                "none: the reference has no torsion of the rail",
-            );
-        }
-        if !case.rotations_held {
-            return Err(InputError::new(
-                format!("scenario.{}.rotations_held", self.name),
-                "false",
-                "true: the reference's hub does not turn",
-                "hold them, or ask without --in-time",
-            ));
-        }
-        if case.start_x.is_some() {
-            return refuse(
-                InputField::StartX,
-                "given".into(),
-                "none: the reference has the wheel at midspan",
-            );
-        }
-        Ok(())
+        let forces = check(name, case).map_err(|error| study.source.in_scenario(name, error.into()))?;
+        Ok(Self { pair: CrosscheckInput::of(study), name, case, forces, inner_steps, damping: study.damping })
     }
 
     /// The pair with a contact between the elements of its meshes.
@@ -154,4 +110,57 @@ struct Question<'a> {
     case: &'a Scenario,
     inner_steps: usize,
     damping: f64,
+}
+
+/// The vertical and the lateral force of the load case `name`, if it is one that the reference can have.
+fn check(name: &str, case: &Scenario) -> std::result::Result<[HarmonicForce; 2], InputError> {
+    let refuse = |field: InputField, value: String, expected: &str| {
+        Err(InputError::new(field, value, expected, "leave it out, or ask without --in-time"))
+    };
+    if case.suspended_mass <= 0.0 {
+        return Err(InputError::new(
+            InputField::SuspendedMass,
+            "0",
+            "more than 0: the reference has the vertical force on a suspended mass",
+            "give one, or ask without --in-time",
+        ));
+    }
+    if case.speed != 0.0 {
+        return refuse(
+            InputField::Speed,
+            format!("{} m/s", case.speed),
+            "0: the reference's wheel does not roll",
+        );
+    }
+    if case.rail_torsion.is_some() {
+        return refuse(
+            InputField::RailTorsion,
+            "given".into(),
+            "none: the reference has no torsion of the rail",
+        );
+    }
+    if !case.rotations_held {
+        return Err(InputError::new(
+            format!("scenario.{}.rotations_held", name),
+            "false",
+            "true: the reference's hub does not turn",
+            "hold them, or ask without --in-time",
+        ));
+    }
+    if case.start_x.is_some() {
+        return refuse(InputField::StartX, "given".into(), "none: the reference has the wheel at midspan");
+    }
+    let of = |field: InputField, force: &TimeFunction| match force.as_harmonic() {
+        Some(harmonic) => Ok(harmonic),
+        None => Err(InputError::new(
+            field,
+            "a sum or a table",
+            "a mean and one sine, which the reference has",
+            "take another load case (`simulation.scenario`), or ask without --in-time",
+        )),
+    };
+    Ok([
+        of(InputField::VerticalForce, &case.vertical_force)?,
+        of(InputField::LateralForce, &case.lateral_force)?,
+    ])
 }

@@ -1,7 +1,7 @@
 //! The question as the exchange folder has it: meshes, surfaces, supports, and the load case.
 
 use railspring_calibrate::solid::Materials;
-use railspring_simulate::time::scenario::HarmonicForce;
+use railspring_simulate::time::function::HarmonicForce;
 use serde_json::{Value, json};
 
 use super::input::InTimeInput;
@@ -39,8 +39,8 @@ fn load_case(input: &InTimeInput<'_>) -> Value {
         "inner_steps": [input.inner_steps, input.inner_steps / 2],
         "friction": case.friction,
         "gravity_m_per_s2": case.gravity,
-        "vertical_force": force(&case.vertical_force),
-        "lateral_force": force(&case.lateral_force),
+        "vertical_force": force(&input.forces[0]),
+        "lateral_force": force(&input.forces[1]),
         "suspended_mass_kg": case.suspended_mass,
         "suspension_stiffness_n_per_m": case.vertical_suspension.stiffness,
         "suspension_damping_n_s_per_m": case.vertical_suspension.damping,

@@ -2,8 +2,9 @@
 
 use nalgebra::Point2;
 
+use crate::time::function::{HarmonicForce, TimeFunction};
 use crate::time::history::{Ending, SurfaceEnd};
-use crate::time::scenario::{HarmonicForce, Scenario};
+use crate::time::scenario::Scenario;
 use crate::time::steps::InnerSteps;
 use railspring_profiles::monitor::Silent;
 use railspring_profiles::placement::Departure;
@@ -19,7 +20,7 @@ use crate::element::published::run_tests::{arc, profile, quiet};
 #[test]
 fn a_wheel_pulled_into_the_track_falls_off() {
     const MODEL: f64 = 0.05;
-    let scenario = Scenario { lateral_force: HarmonicForce::constant(-500e3), ..published() };
+    let scenario = Scenario { lateral_force: TimeFunction::constant(-500e3), ..published() };
     let run = elastic().run(&scenario, &Silent).unwrap();
     let Ending::Departed { time, departure } = run.history.ending else { panic!("{}", run.history.ending) };
     assert_eq!(departure, Departure::GaugeSide);
@@ -62,9 +63,9 @@ fn a_wheel_that_is_pulled_up_flies() {
             }
             let scenario = Scenario {
                 steps: 500,
-                vertical_force,
+                vertical_force: vertical_force.into(),
                 suspended_mass,
-                lateral_force: HarmonicForce::constant(aside),
+                lateral_force: TimeFunction::constant(aside),
                 inner_steps: InnerSteps::Equal(inner),
                 ..published()
             };
@@ -97,7 +98,7 @@ fn a_wheel_that_is_pulled_up_flies() {
 #[test]
 fn a_wheel_is_pushed_over_the_rail() {
     let run = |force: f64, friction: f64| {
-        let lateral_force = HarmonicForce::constant(force);
+        let lateral_force = TimeFunction::constant(force);
         let scenario = Scenario { lateral_force, friction, steps: 400, ..published() };
         elastic().run(&scenario, &Silent).unwrap().history
     };
@@ -165,7 +166,7 @@ fn a_wheel_runs_off_the_end() {
         start_x: Some(0.5),
         speed: 0.5,
         steps: 300,
-        lateral_force: HarmonicForce::NONE,
+        lateral_force: TimeFunction::default(),
         ..published()
     };
     let run = elastic().run(&scenario, &Silent).unwrap();
@@ -178,11 +179,11 @@ fn a_wheel_runs_off_the_end() {
 /// Goal: values that are not finite are refused with their key, and forces beyond what the numbers hold end as an error that says so.
 #[test]
 fn load_cases_without_sense_are_named() {
-    let endless = Scenario { lateral_force: HarmonicForce::constant(f64::INFINITY), ..published() };
+    let endless = Scenario { lateral_force: TimeFunction::constant(f64::INFINITY), ..published() };
     assert!(elastic().run(&endless, &Silent).unwrap_err().to_string().contains("lateral_force"));
     let mut lost = elastic();
     lost.initial.velocity[0] = f64::NAN;
     assert!(lost.run(&published(), &Silent).unwrap_err().to_string().contains("initial motion"));
-    let huge = Scenario { lateral_force: HarmonicForce::constant(1e308), time_step: 1e-3, ..published() };
+    let huge = Scenario { lateral_force: TimeFunction::constant(1e308), time_step: 1e-3, ..published() };
     assert!(elastic().run(&huge, &Silent).unwrap_err().to_string().contains("not finite"));
 }

@@ -2,7 +2,8 @@
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
-use crate::time::scenario::{HarmonicForce, Scenario};
+use crate::time::function::{HarmonicForce, TimeFunction};
+use crate::time::scenario::Scenario;
 use crate::time::steps::InnerSteps;
 use railspring_calibrate::beam::{BeamCorrection, HeldRail, RailBeam};
 use railspring_calibrate::pair::Pair;
@@ -108,8 +109,10 @@ fn a_wheel_that_rolls_over_held_ends_keeps_its_energy() {
         start_x: Some(0.03),
         speed: 20.0,
         inner_steps: InnerSteps::Equal(16),
-        vertical_force: HarmonicForce::constant(60e3),
-        rail_torsion: Some(HarmonicForce { constant: 0.0, amplitude: 20e3, frequency: 40.0, phase: 0.0 }),
+        vertical_force: TimeFunction::constant(60e3),
+        rail_torsion: Some(
+            HarmonicForce { constant: 0.0, amplitude: 20e3, frequency: 40.0, phase: 0.0 }.into(),
+        ),
         ..Scenario::new(98, 2.5e-4, 0.0)
     };
     model.initial.displacement[1] =

@@ -5,8 +5,9 @@ use std::collections::BTreeMap;
 use nalgebra::Point2;
 use rayon::prelude::*;
 
+use crate::time::function::HarmonicForce;
 use crate::time::history::Ending;
-use crate::time::scenario::{HarmonicForce, Kelvin, Scenario};
+use crate::time::scenario::{Kelvin, Scenario};
 use crate::time::steps::InnerSteps;
 use railspring_calibrate::pair::Pair;
 use railspring_profiles::error::Error;
@@ -69,8 +70,8 @@ fn case(random: &mut Random, models: &[CondensedModel]) -> (CondensedModel, Scen
         gravity: random.one_of(&[0.0, 9.81]),
         suspended_mass: random.one_of(&[0.0, 6250.0]),
         vertical_suspension: Kelvin { stiffness: 1.2e6, damping: random.one_of(&[0.0, 4e4]) },
-        vertical_force: force(random, -120e3, 120e3),
-        lateral_force: force(random, -60e3, 60e3),
+        vertical_force: force(random, -120e3, 120e3).into(),
+        lateral_force: force(random, -60e3, 60e3).into(),
         inner_steps: if random.between(0.0, 1.0) < 0.5 { KINDS[0] } else { random.one_of(&KINDS) },
         speed: random.one_of(&[0.0, 1.0, 5.0]),
         rotations_held: random.one_of(&[true, false]),

@@ -1,7 +1,8 @@
 //! The elastic wheel against closed solutions.
 
 use super::*;
-use crate::time::scenario::{HarmonicForce, Kelvin};
+use crate::time::function::TimeFunction;
+use crate::time::scenario::Kelvin;
 use railspring_element::wheel::RimMode;
 
 const HUB: f64 = 283.0;
@@ -171,8 +172,8 @@ fn loads_accelerate_the_total_mass() {
             gravity,
             suspended_mass,
             vertical_suspension: Kelvin { stiffness: 1.2e6, damping: 4e4 },
-            vertical_force: HarmonicForce::constant(vertical),
-            lateral_force: HarmonicForce::constant(lateral),
+            vertical_force: TimeFunction::constant(vertical),
+            lateral_force: TimeFunction::constant(lateral),
             ..Scenario::new(1, 1e-4, 0.3)
         };
         let wheel = Wheel::new(&two_masses(), &scenario, 0.0, 1e-5).unwrap();

@@ -3,8 +3,9 @@
 use super::tests::{bridge, flat, profile, published, published_scenario, quiet, relative, rigid};
 use super::*;
 use crate::element::published::RailSupport;
+use crate::time::function::{HarmonicForce, TimeFunction};
 use crate::time::history::{Ending, SurfaceEnd};
-use crate::time::scenario::{HarmonicForce, Kelvin};
+use crate::time::scenario::Kelvin;
 use crate::time::steps::InnerSteps;
 use railspring_calibrate::law::StiffnessLaw;
 use railspring_profiles::monitor::Silent;
@@ -23,7 +24,7 @@ fn last_y(run: &MovingRun) -> f64 {
 #[test]
 fn a_wheel_pulled_into_the_track_falls_off() {
     const MODEL: f64 = 0.05;
-    let run = published().run(&published_scenario(HarmonicForce::constant(-500e3)), &Silent).unwrap();
+    let run = published().run(&published_scenario(TimeFunction::constant(-500e3)), &Silent).unwrap();
     let Ending::Departed { time, departure } = run.history.ending else { panic!("{}", run.history.ending) };
     assert_eq!(departure, Departure::GaugeSide);
     let fall = |y: f64| (2.0 * y * 283.0 / 500e3).sqrt();
@@ -54,9 +55,9 @@ fn a_wheel_that_is_pulled_up_flies() {
         let scenario = Scenario {
             steps: 400,
             suspended_mass: 0.0,
-            vertical_force: HarmonicForce::constant(-up),
+            vertical_force: TimeFunction::constant(-up),
             inner_steps: InnerSteps::Equal(inner),
-            ..published_scenario(HarmonicForce::constant(aside))
+            ..published_scenario(TimeFunction::constant(aside))
         };
         let run = published().run(&scenario, &Silent).unwrap();
         let rows = &run.history.rows;
@@ -87,9 +88,9 @@ fn a_wheel_that_is_pulled_up_beside_the_rail_goes_over_it() {
         let scenario = Scenario {
             steps: 400,
             suspended_mass,
-            vertical_force: HarmonicForce::constant(-up),
+            vertical_force: TimeFunction::constant(-up),
             inner_steps: InnerSteps::Equal(inner),
-            ..published_scenario(HarmonicForce::constant(aside))
+            ..published_scenario(TimeFunction::constant(aside))
         };
         let run = published().run(&scenario, &Silent).unwrap();
         let Ending::Departed { time, departure } = run.history.ending else {
@@ -107,7 +108,7 @@ fn a_wheel_that_is_pulled_up_beside_the_rail_goes_over_it() {
 /// (Q/P = 20 against 0.95): the wheel rises by its flange of 28 mm and goes over the rail to the field side.
 #[test]
 fn a_wheel_beyond_nadal_climbs_out() {
-    let run = published().run(&published_scenario(HarmonicForce::constant(200e3)), &Silent).unwrap();
+    let run = published().run(&published_scenario(TimeFunction::constant(200e3)), &Silent).unwrap();
     let Ending::Departed { time, departure } = run.history.ending else { panic!("{}", run.history.ending) };
     assert_eq!(departure, Departure::FieldSide);
     assert!((0.02..0.2).contains(&time), "{time}");
@@ -115,7 +116,7 @@ fn a_wheel_beyond_nadal_climbs_out() {
     assert!(highest > 27e-3, "{highest}");
     assert!(run.history.rows.iter().all(|r| r.wheel_y < 0.12), "no state is off the rail");
     // Below the limit the same flange holds it.
-    let held = published().run(&published_scenario(HarmonicForce::constant(20e3)), &Silent).unwrap();
+    let held = published().run(&published_scenario(TimeFunction::constant(20e3)), &Silent).unwrap();
     assert_eq!(held.history.ending, Ending::Completed);
 }
 
@@ -125,7 +126,7 @@ fn a_wheel_beyond_nadal_climbs_out() {
 #[test]
 fn work_is_bounded() {
     for a in [StiffnessLaw::published().a, 0.0] {
-        let mut scenario = published_scenario(HarmonicForce::constant(500e3));
+        let mut scenario = published_scenario(TimeFunction::constant(500e3));
         scenario.steps = 200;
         let mut model = published();
         model.springs.normal = StiffnessLaw { a, ..StiffnessLaw::published() }.into();
@@ -218,7 +219,7 @@ fn a_force_without_suspended_mass_reaches_the_rail() {
         let mut model = flat(StiffnessLaw { a: 1e8, b: 0.0, c: 0.0 }, 283.0);
         model.initial.displacement[1] = 50e3 / 1e8 + 50e3 / model.penalty;
         let mut scenario = quiet(50, 1e-4);
-        scenario.vertical_force = HarmonicForce::constant(50e3);
+        scenario.vertical_force = TimeFunction::constant(50e3);
         scenario.vertical_suspension = Kelvin { stiffness, damping };
         let run = model.run(&scenario, &Silent).unwrap();
         for row in &run.history.rows[1..] {
@@ -229,7 +230,7 @@ fn a_force_without_suspended_mass_reaches_the_rail() {
     // From a force that sets in at once every chain gives the same motion.
     let sudden = |stiffness, damping| {
         let mut scenario = quiet(50, 1e-4);
-        scenario.vertical_force = HarmonicForce::constant(50e3);
+        scenario.vertical_force = TimeFunction::constant(50e3);
         scenario.vertical_suspension = Kelvin { stiffness, damping };
         flat(StiffnessLaw::published(), 283.0).run(&scenario, &Silent).unwrap().history
     };
@@ -248,13 +249,13 @@ fn load_cases_without_sense_are_named() {
     loose.suspended_mass = 1000.0;
     let message = model.run(&loose, &Silent).unwrap_err().to_string();
     assert!(message.contains("vertical_suspension.stiffness"), "{message}");
-    let endless = Scenario { lateral_force: HarmonicForce::constant(f64::INFINITY), ..quiet(1, 1e-4) };
+    let endless = Scenario { lateral_force: TimeFunction::constant(f64::INFINITY), ..quiet(1, 1e-4) };
     assert!(model.run(&endless, &Silent).unwrap_err().to_string().contains("lateral_force"));
     let mut lost = model.clone();
     lost.initial.velocity[0] = f64::NAN;
     assert!(lost.run(&quiet(1, 1e-4), &Silent).unwrap_err().to_string().contains("initial motion"));
     // A finite force beyond what the numbers hold.
-    let huge = Scenario { lateral_force: HarmonicForce::constant(1e308), ..quiet(3, 1.0) };
+    let huge = Scenario { lateral_force: TimeFunction::constant(1e308), ..quiet(3, 1.0) };
     assert!(model.run(&huge, &Silent).unwrap_err().to_string().contains("not finite"));
 }
 
@@ -263,7 +264,7 @@ fn load_cases_without_sense_are_named() {
 #[test]
 fn lateral_suspension_moves_the_loading_point_only() {
     const ROUNDOFF: f64 = 1e-15;
-    let mut scenario = published_scenario(HarmonicForce::constant(20e3));
+    let mut scenario = published_scenario(TimeFunction::constant(20e3));
     scenario.steps = 40;
     let soft = published().run(&scenario, &Silent).unwrap().history;
     scenario.lateral_suspension = Kelvin { stiffness: 0.0, damping: 0.0 };
@@ -290,7 +291,7 @@ fn penalty_error_does_not_depend_on_the_beam() {
     let mut model = flat(StiffnessLaw::published(), 1000.0);
     model.support = RailSupport::Beam { beam, node_line: nalgebra::Point2::origin(), damping: 0.0 };
     let mut scenario = quiet(1000, 1e-3);
-    scenario.vertical_force = HarmonicForce { constant: 60e3, amplitude: 40e3, frequency, phase: 0.0 };
+    scenario.vertical_force = HarmonicForce { constant: 60e3, amplitude: 40e3, frequency, phase: 0.0 }.into();
     let run = model.run(&scenario, &Silent).unwrap();
     let highest = run.rail.iter().map(|section| -section.displacement[1]).fold(0.0, f64::max);
     assert!(highest > 1e-4, "the bridge does not swing up: {highest}");

@@ -2,8 +2,9 @@ use super::*;
 use crate::cases::simply_supported;
 use crate::element::published::RailSupport;
 use crate::element::published::{InitialMotion, WheelSprings};
+use crate::time::function::{HarmonicForce, TimeFunction};
 use crate::time::history::{ContactMode, HistoryRow};
-use crate::time::scenario::{HarmonicForce, Kelvin};
+use crate::time::scenario::Kelvin;
 use crate::time::steps::{InnerSteps, StepControl};
 use railspring_calibrate::analytic::{drop::drop, friction::Block};
 use railspring_calibrate::beam::{RailBeam, Torsion};
@@ -127,8 +128,8 @@ fn the_drift_is_what_a_bouncing_wheel_loses() {
 }
 
 /// Source: the balance of linear parts under average acceleration, exact in every step. Goal: a wheel that stays pressed on a linear law, with
-/// suspension, damper and a rail beam with damping under a force that swings: work in, damping out, no drift (J). Accuracy: SOLVER, 1e-8
-/// of the forces in each of 400 steps.
+/// suspension, damper and a rail beam with damping under a force that swings, and under a sum of sines with a table that has corners within steps:
+/// work in, damping out, no drift (J). Accuracy: SOLVER, 1e-8 of the forces in each of 400 steps.
 #[test]
 fn a_pressed_wheel_has_no_drift() {
     const SOLVER: f64 = 400.0 * 1e-8;
@@ -138,21 +139,26 @@ fn a_pressed_wheel_has_no_drift() {
         node_line: Point2::new(0.0, 0.05),
         damping: 6e-6,
     };
-    let scenario = Scenario {
-        vertical_suspension: Kelvin { stiffness: 1.2e6, damping: 40e3 },
-        suspended_mass: 6250.0,
-        gravity: 9.81,
-        vertical_force: HarmonicForce { constant: 60e3, amplitude: 20e3, frequency: 20.0, phase: 0.0 },
-        friction: 0.0,
-        ..quiet(400, 1e-4)
-    };
-    let run = model.run(&scenario, &Silent).unwrap();
-    let last = run.history.rows[400].energy.unwrap();
-    println!("{last:?}");
-    assert!(run.history.rows[1..].iter().all(|row| !row.contacts.is_empty()));
-    assert!(last.damped > 0.01 * last.work && last.work > 1.0 && last.friction == 0.0, "{last:?}");
-    let drift = run.history.rows.iter().map(|row| row.energy.unwrap().drift.abs()).fold(0.0, f64::max);
-    assert!(drift < SOLVER * last.stored().max(last.work), "{drift} {last:?}");
+    let sine = HarmonicForce { constant: 60e3, amplitude: 20e3, frequency: 20.0, phase: 0.0 };
+    let faster = HarmonicForce { amplitude: 5e3, frequency: 90.0, ..HarmonicForce::NONE };
+    let table = vec![(0.0, 0.0), (0.00312, 9e3), (0.00377, -4e3), (0.0251, 15e3)];
+    for vertical_force in [sine.into(), TimeFunction { harmonics: vec![sine, faster], table }] {
+        let scenario = Scenario {
+            vertical_suspension: Kelvin { stiffness: 1.2e6, damping: 40e3 },
+            suspended_mass: 6250.0,
+            gravity: 9.81,
+            vertical_force,
+            friction: 0.0,
+            ..quiet(400, 1e-4)
+        };
+        let run = model.run(&scenario, &Silent).unwrap();
+        let last = run.history.rows[400].energy.unwrap();
+        println!("{last:?}");
+        assert!(run.history.rows[1..].iter().all(|row| !row.contacts.is_empty()));
+        assert!(last.damped > 0.01 * last.work && last.work > 1.0 && last.friction == 0.0, "{last:?}");
+        let drift = run.history.rows.iter().map(|row| row.energy.unwrap().drift.abs()).fold(0.0, f64::max);
+        assert!(drift < SOLVER * last.stored().max(last.work), "{drift} {last:?}");
+    }
 }
 
 /// Source: the run with the power law itself. Goal: a wheel that falls on a table through a power law, from below its first
@@ -248,7 +254,7 @@ fn pulled_wheel_sticks_and_then_slides() {
     let friction = 0.3 * 1000.0 * GRAVITY;
     let mut scenario = quiet(200, 2.5e-4);
     (scenario.gravity, scenario.friction) = (GRAVITY, 0.3);
-    scenario.lateral_force = HarmonicForce { amplitude, frequency, ..HarmonicForce::NONE };
+    scenario.lateral_force = HarmonicForce { amplitude, frequency, ..HarmonicForce::NONE }.into();
     let run = model.run(&scenario, &Silent).unwrap();
     let omega = std::f64::consts::TAU * frequency;
     let breakaway = f64::asin(friction / amplitude) / omega;
@@ -289,7 +295,7 @@ fn rolling_contact_hands_its_tangential_force_over() {
     model.wheel_inertia[0] = 60.0;
     let mut scenario = quiet(1000, 2e-4);
     (scenario.gravity, scenario.friction, scenario.rotations_held) = (GRAVITY, 0.3, false);
-    scenario.lateral_force.constant = 1200.0;
+    scenario.lateral_force = TimeFunction::constant(1200.0);
     let run = model.run(&scenario, &Silent).unwrap();
     let acceleration = 1200.0 / (1000.0 + 60.0 / 0.43f64.powi(2));
     let last = run.history.rows.last().unwrap();
@@ -378,8 +384,8 @@ pub(super) fn published() -> MovingModel {
 }
 
 /// The publication's load cases 4.1 and 4.2, the vertical force pushing down first.
-pub(super) fn published_scenario(lateral_force: HarmonicForce) -> Scenario {
-    Scenario { lateral_force, ..crate::cases::constant_lateral_force() }
+pub(super) fn published_scenario(lateral_force: impl Into<TimeFunction>) -> Scenario {
+    Scenario { lateral_force: lateral_force.into(), ..crate::cases::constant_lateral_force() }
 }
 
 /// Source: publication, section 4.1, and an estimate with rigid profiles. Goal: a picture, not numbers: the wheel shifts 6.7 mm, climbs
@@ -388,7 +394,7 @@ pub(super) fn published_scenario(lateral_force: HarmonicForce) -> Scenario {
 #[test]
 fn constant_force_presses_the_flange_on_the_rail() {
     const MODEL: f64 = 0.05;
-    let scenario = published_scenario(HarmonicForce::constant(20e3));
+    let scenario = published_scenario(TimeFunction::constant(20e3));
     let run = published().run(&scenario, &Silent).unwrap();
     let rows = &run.history.rows;
     assert_eq!(rows.len(), 551);
@@ -414,7 +420,7 @@ fn a_flange_that_is_struck_converges_with_any_springs() {
     let scenario = Scenario {
         steps: 115,
         inner_steps: MovingModel::STEPS,
-        ..published_scenario(HarmonicForce::constant(20e3))
+        ..published_scenario(TimeFunction::constant(20e3))
     };
     let mut ended = Vec::new();
     for mega in 56..=61 {
@@ -438,7 +444,7 @@ fn a_flange_that_is_struck_converges_with_any_springs() {
 #[test]
 fn inner_steps_are_steps() {
     for (lateral, steps) in [(20e3, 60), (-500e3, 60)] {
-        let scenario = Scenario { steps, ..published_scenario(HarmonicForce::constant(lateral)) };
+        let scenario = Scenario { steps, ..published_scenario(TimeFunction::constant(lateral)) };
         let inner = Scenario { inner_steps: InnerSteps::Equal(4), ..scenario.clone() };
         let short = Scenario { steps: 4 * steps, time_step: scenario.time_step / 4.0, ..scenario };
         let [inner, short] = [inner, short].map(|scenario| published().run(&scenario, &Silent).unwrap());
@@ -459,7 +465,7 @@ fn inner_steps_are_steps() {
 #[test]
 fn shorter_steps_converge_at_impacts() {
     const MODEL: f64 = 0.5;
-    let scenario = Scenario { steps: 120, ..published_scenario(HarmonicForce::constant(20e3)) };
+    let scenario = Scenario { steps: 120, ..published_scenario(TimeFunction::constant(20e3)) };
     let mut model = published();
     let RailSupport::Beam { damping, .. } = &mut model.support else { unreachable!("a rail of beams") };
     // 2 % of the critical damping at 1000 Hz; undamped the rail rings for ever
@@ -509,7 +515,7 @@ fn torsion_twists_the_rail_under_the_moving_wheel() {
     let mut scenario =
         published_scenario(HarmonicForce { amplitude: 10.4125e3, frequency: 10.0, ..HarmonicForce::NONE });
     scenario.rail_torsion =
-        Some(HarmonicForce { amplitude: 183.25e3, frequency: 5.0, ..HarmonicForce::NONE });
+        Some(HarmonicForce { amplitude: 183.25e3, frequency: 5.0, ..HarmonicForce::NONE }.into());
     scenario.speed = 0.5;
     scenario.start_x = Some(0.2775);
     let model = published();

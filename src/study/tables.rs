@@ -5,7 +5,8 @@ use std::path::Path;
 use csv::ReaderBuilder;
 use railspring_profiles::error::InputError;
 use railspring_profiles::input;
-use serde::Serialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use super::document::{Interpolation, TableKeys};
 use crate::hash::hash;
@@ -16,7 +17,7 @@ const LARGEST: u64 = 256 << 20;
 const GAP: f64 = 1.5;
 
 /// A file that a study reads.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FileRecord {
     /// The key that names it.
     pub key: String,
@@ -28,7 +29,7 @@ pub struct FileRecord {
 
 /// What stands in the first of two columns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Over {
+pub(crate) enum Over {
     /// Times, s.
     Time,
     /// Places, m.
@@ -45,9 +46,31 @@ impl Over {
     }
 }
 
+/// The steps that have to see a table, and the keys that they follow from.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Steps {
+    /// How long the run takes, s.
+    pub duration: f64,
+    /// Length of a step of the integration, s.
+    pub step: f64,
+    /// The key of their number.
+    pub count: String,
+    /// What makes them shorter.
+    pub shorter: Shorter,
+}
+
+/// A key that makes steps shorter.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Shorter {
+    /// The number of steps in each row of the history.
+    InnerSteps(String),
+    /// The length of a time step.
+    TimeStep(String),
+}
+
 /// Two columns of a file.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Table {
+pub(crate) struct Table {
     /// Times or places, ascending, with values in the unit of the key.
     pub rows: Vec<(f64, f64)>,
     /// The file.
@@ -77,6 +100,23 @@ impl Table {
             Self { rows: Vec::new(), file, spacing: 0.0, over, key: key.into(), keys: keys.clone() };
         table.fill(text.trim_start_matches('\u{feff}'))?;
         Ok(table)
+    }
+
+    /// Reads a table over the time of a run, whose `steps` have to see all of it.
+    ///
+    /// # Errors
+    /// The mistakes of [`Table::read`], [`Table::check_covers`] and [`Table::check_steps`].
+    pub fn over_time(
+        folder: &Path,
+        key: &str,
+        keys: &TableKeys,
+        steps: &Steps,
+    ) -> Result<Self, Vec<InputError>> {
+        let table = Self::read(folder, key, keys, Over::Time).map_err(|mistake| vec![mistake])?;
+        let covers = table.check_covers([0.0, steps.duration], &steps.count);
+        let checks = [covers, table.check_steps(steps.step, &steps.shorter)];
+        let mistakes: Vec<InputError> = checks.into_iter().filter_map(Result::err).collect();
+        if mistakes.is_empty() { Ok(table) } else { Err(mistakes) }
     }
 
     fn wrong(&self, line: u64, value: &str, expected: String, remedy: &str) -> InputError {
@@ -170,11 +210,11 @@ impl Table {
         self.keys.between == Interpolation::Samples
     }
 
-    /// That it reaches from `from` to `to`.
+    /// That it reaches from `from` to `to`; `count` is the key of the number of steps.
     ///
     /// # Errors
     /// [`InputError`] with what it has.
-    pub fn check_covers(&self, [from, to]: [f64; 2]) -> Result<(), InputError> {
+    pub fn check_covers(&self, [from, to]: [f64; 2], count: &str) -> Result<(), InputError> {
         let (first, last) = (self.rows[0].0, self.rows[self.rows.len() - 1].0);
         let rounding = 1e-9 * (to.abs() + from.abs());
         if first <= from + rounding && last >= to - rounding {
@@ -185,27 +225,30 @@ impl Table {
             format!("{}.file", self.key),
             format!("{}: {what} from {first} to {last} {unit}", self.keys.file),
             format!("{what} from {from} to {to} {unit}, as far as the run goes"),
-            "give the table more rows, or end the run earlier (`run.steps`)",
+            format!("give the table more rows, or end the run earlier (`{count}`)"),
         ))
     }
 
-    /// That steps which are `step` apart (s, or m) see every sample.
+    /// That steps which are `step` apart (s, or m) see every sample; `shorter` makes them shorter.
     ///
     /// # Errors
     /// [`InputError`] with the steps that do.
-    pub fn check_steps(&self, step: f64) -> Result<(), InputError> {
+    pub fn check_steps(&self, step: f64, shorter: &Shorter) -> Result<(), InputError> {
         if !self.is_sampled() || step <= self.spacing * (1.0 + 1e-9) {
             return Ok(());
         }
         let unit = self.over.unit();
+        let more = match shorter {
+            Shorter::InnerSteps(key) => {
+                format!("set `{key}` {:.0} times as high", (step / self.spacing).ceil())
+            }
+            Shorter::TimeStep(key) => format!("lower `{key}` to {:.3e} s or less", self.spacing),
+        };
         Err(InputError::new(
             format!("{}.file", self.key),
             format!("{}: samples {} {unit} apart", self.keys.file, self.spacing),
             format!("samples at least as far apart as the steps of the integration ({step} {unit})"),
-            format!(
-                "set `run.inner_steps` {:.0} times as high, or give fewer samples that were low-pass filtered",
-                (step / self.spacing).ceil()
-            ),
+            format!("{more}, or give fewer samples that were low-pass filtered"),
         ))
     }
 }
