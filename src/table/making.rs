@@ -390,7 +390,12 @@ impl CaseWork<'_> {
         let Self { study, settings, store, .. } = self;
         let OnBodies { geometry, bodies, .. } = &ready.on_bodies;
         let fixed_loads: Vec<f64> = settings.stiffness_at_kn.iter().map(|load| load * KILONEWTON).collect();
-        let pressed = PlaceSettings { direction: settings.direction.into(), fixed_loads: &fixed_loads };
+        let pressed = PlaceSettings {
+            direction: settings.direction.into(),
+            fixed_loads: &fixed_loads,
+            // for thousands of wheels they would take a tenth of the time, and have no columns
+            stresses: settings.bodies == BodiesKey::Own,
+        };
         let shift = shift_mm * MILLIMETRE;
         let press = |OnBodies { geometry, bodies, coarser }: &OnBodies, bands: bool| {
             let coarser = coarser.as_ref().filter(|_| bands).map(|(element, bodies)| (*element, bodies));

@@ -126,7 +126,12 @@ impl WheelOnRail<'_> {
                 let higher = growth.max(1.0).powi(2);
                 if plan.chosen.is_none() {
                     let across = widths(&fine.lattice, &last.points, &last.solution.forces);
-                    plan.chosen = Some((self.lattice(across.map(|w| w * growth)), self.region(last, higher)));
+                    let region = match plan.first_far {
+                        FirstFar::Start => self.region(last, higher),
+                        // the gaps that it knows are those of its own pair
+                        FirstFar::Other(_) => self.region_of(last, &self.node_gaps(last), higher),
+                    };
+                    plan.chosen = Some((self.lattice(across.map(|w| w * growth)), region));
                 }
                 let [way, before] = [hub, &last.hub].map(|hub| hub.dot(&self.along));
                 let share = if before == 0.0 { 1.0 } else { way / before };
@@ -238,11 +243,21 @@ impl WheelOnRail<'_> {
     /// The nodes of the rail's grid that are near the wheel with the displacements of a state: as near as the contact of its
     /// load may reach, times `part`; with 0, those where the surfaces overlap.
     fn region(&self, state: &Pressed, part: f64) -> Vec<bool> {
+        self.region_of(state, state.node_gaps.get_or_init(|| self.node_gaps(state)), part)
+    }
+
+    /// The nodes of the rail's grid near the wheel, with their gaps with the displacements of a state, m.
+    fn node_gaps(&self, state: &Pressed) -> Vec<((usize, usize), f64)> {
         let points = self.nodes_near(&state.hub, PAIRING_GAP);
+        let gaps = state.gaps_at(self, &points);
+        points.iter().zip(gaps).map(|(point, gap)| (point.index, gap)).collect()
+    }
+
+    /// As [`Self::region`], with the gaps of nodes near the wheel.
+    fn region_of(&self, state: &Pressed, gaps: &[((usize, usize), f64)], part: f64) -> Vec<bool> {
         let forces = &state.solution.forces[..state.points.len()];
         let margin = part * self.reach(state);
-        let gaps = state.gaps_at(self, &points);
-        let near = points.iter().zip(gaps).filter(|(_, gap)| *gap < margin).map(|(point, _)| point.index);
+        let near = gaps.iter().filter(|(_, gap)| *gap < margin).map(|(index, _)| *index);
         let mut marks = self.marked(near);
         if part > 0.0 {
             self.mark_patch(&state.points, forces, &mut marks);

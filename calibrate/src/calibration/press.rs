@@ -225,8 +225,9 @@ impl WheelOnRail<'_> {
             } else {
                 hub += along * share * way;
             }
-            let (response, displacement) = (None, OnceLock::new());
-            let mut state = Pressed { load, hub, points, free, solution, response, elasticity, displacement };
+            let (response, displacement, node_gaps) = (None, OnceLock::new(), OnceLock::new());
+            let mut state =
+                Pressed { load, hub, points, free, solution, response, elasticity, displacement, node_gaps };
             if self.revise(&mut plan, &state, settled) {
                 previous = Some(state);
                 continue;

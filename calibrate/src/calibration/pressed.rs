@@ -144,6 +144,8 @@ pub struct Pressed {
     pub(super) elasticity: Elasticity,
     /// Displacements of the contact nodes of rail and wheel relative to the bodies' supports, m, once they are asked for.
     pub(super) displacement: OnceLock<[Vec<f64>; 2]>,
+    /// Nodes of the rail's grid near the wheel, with their gaps under the load, m, once they are asked for.
+    pub(super) node_gaps: OnceLock<Vec<((usize, usize), f64)>>,
 }
 
 /// Compliance of the contact points.

@@ -122,6 +122,8 @@ pub struct PlaceSettings<'a> {
     pub direction: PressDirection,
     /// The loads, within the range of the study's.
     pub fixed_loads: &'a [f64],
+    /// Whether the stresses below the patches are sought.
+    pub stresses: bool,
 }
 
 /// The law of the pair under the loads of the study at one shift (m) of the wheelset, on condensed bodies; with its error band where there
@@ -133,7 +135,7 @@ pub fn place(
     statics: Statics<'_>,
     geometry: &Geometry,
     bodies: &CondensedPair,
-    &PlaceSettings { direction, fixed_loads }: &PlaceSettings,
+    &PlaceSettings { direction, fixed_loads, stresses }: &PlaceSettings,
     shift: f64,
     coarser: Option<(f64, &CoarserBodies)>,
     monitor: &dyn Monitor,
@@ -141,8 +143,7 @@ pub fn place(
     let pair = &geometry.pair;
     let loads = &statics.calibration.loads;
     let contact = contact_conditions(statics);
-    // a table has no columns for stresses
-    let settings = AngleSettings { contact, direction, loads, fixed_loads, stresses: false };
+    let settings = AngleSettings { contact, direction, loads, fixed_loads, stresses };
     let laws = law_by_shift(pair, bodies, &settings, &[tape_y(statics, pair, shift)], monitor)?;
     let bands =
         coarser.map(|coarser| bands(geometry, bodies, coarser, &settings, &laws, monitor)).transpose()?;
