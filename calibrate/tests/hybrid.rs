@@ -320,8 +320,8 @@ fn a_load_has_one_contact_whatever_was_before() {
 /// forces inside the cone, no force across a gap. The nodal forces that the bodies get have the same
 /// resultant. The parts of the compliance are positive and sum to the whole but for the work of sliding. The
 /// numbers are the same for one thread and for four. Centred and on the gauge corner. Units SI. Accuracy:
-/// SOLVER; RESIDUAL of a force, over the load; MODEL of the mean normal of a node's hat, which on a corner of 13 mm radius is (2 mm/13 mm)²/12 =
-/// 0.2 % short, twice, and of what slides at the rim of the patch, 2 % of the compliance.
+/// SOLVER; RESIDUAL of a force, over the load. MODEL is that of the mean normal of a node's hat, which on a corner of 13 mm radius is (2 mm/13 mm)²/12 =
+/// 0.2 % short, twice. MODEL_OF_SLIDING is what slides at the rim of the patch, 2 % of the compliance.
 #[test]
 fn states_with_friction_satisfy_the_laws_of_contact() {
     const SOLVER: f64 = 1e-8;

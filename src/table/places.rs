@@ -10,6 +10,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use railspring_profiles::error::{Error, Result, unless_interrupted};
 use railspring_profiles::monitor::Monitor;
+use railspring_profiles::units::MILLIMETRE;
 use rayon::prelude::*;
 
 use super::cases::{Case, Table};
@@ -159,7 +160,10 @@ impl<'a> Places<'a> {
         let bodies = wheels + rails;
         let needs = match missing.first_key_value().filter(|_| estimated) {
             None => None,
-            Some((first, shifts)) => self.needs(*first, shifts.len(), bodies, missing.len())?,
+            Some((first, shifts)) => {
+                let shifts: Vec<f64> = shifts.iter().map(|(shift, _)| *shift).collect();
+                self.needs(*first, &shifts, bodies, missing.len())?
+            }
         };
         Ok(Plan {
             cases: self.table.cases.len(),
@@ -172,11 +176,10 @@ impl<'a> Places<'a> {
         })
     }
 
-    /// Time and memory of `bodies` and `cases` by the estimate of one of them at so many `places`, which the others resemble.
-    fn needs(&self, case: usize, places: usize, bodies: usize, cases: usize) -> Result<Option<(f64, f64)>> {
+    /// Time and memory of `bodies` and `cases` by the estimate of one of them at its `shifts` (mm), which the others resemble.
+    fn needs(&self, case: usize, shifts: &[f64], bodies: usize, cases: usize) -> Result<Option<(f64, f64)>> {
         let mut study = self.table.cases[case].study.clone();
-        // a place on one thread; the threads share those of all cases
-        study.shifts = Some(vec![0.0]);
+        study.shifts = Some(shifts.iter().map(|shift| shift * MILLIMETRE).collect());
         let silent = Beneath::silent(self.resources.monitor);
         let resources = Resources { monitor: &silent, ..self.resources };
         let work = Work { calibrate: true, ..Work::default() };
@@ -186,10 +189,13 @@ impl<'a> Places<'a> {
             // said of the case itself when it is made
             Err(_) => Ok(None),
             Ok(estimate) => {
-                let seconds = |stage: usize| estimate.stages.get(stage).map_or(0.0, |stage| stage.seconds);
+                // the threads share the places of all cases
                 let threads = rayon::current_num_threads() as f64;
-                let pressed = (places * cases) as f64 * seconds(1) / threads;
-                Ok(Some((0.5 * bodies as f64 * estimate.condensing_seconds + pressed, estimate.memory())))
+                let pressed = cases as f64 * estimate.places_seconds / threads;
+                // the places of a pair are pressed beside the making of the next bodies
+                let beside = estimate.stages.get(1).filter(|_| bodies > 2).map_or(0.0, |stage| stage.memory);
+                let memory = estimate.memory() + beside;
+                Ok(Some((0.5 * bodies as f64 * estimate.condensing_seconds + pressed, memory)))
             }
         }
     }

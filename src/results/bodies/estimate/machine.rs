@@ -8,7 +8,7 @@ use railspring_calibrate::contact::{FreeDirection, HalfSpace, NearField, Problem
 use railspring_calibrate::solid::Material;
 
 /// Seconds that the contact of [`slowness`] takes on the machine on which the constants of times were measured.
-const ITS_SECONDS: f64 = 0.05;
+const ITS_SECONDS: f64 = 0.0022;
 /// How often it is solved: the fastest counts, as other programs slow the others down.
 const TRIES: usize = 3;
 

@@ -28,19 +28,31 @@ const KEPT_GAP: f64 = 20e-6;
 /// Displacement of the hub under load, m/N, the rail held at its ends.
 const FLEXIBILITY: f64 = 1.5e-9;
 /// Seconds to assemble a hexahedron.
-const SECONDS_ASSEMBLY: f64 = 40e-6;
+const SECONDS_ASSEMBLY: f64 = 13e-6;
 /// Seconds to order a node.
-const SECONDS_ORDER: f64 = 10e-6;
+const SECONDS_ORDER: f64 = 3.3e-6;
 /// Multiplications a second of a factorisation.
-const SPEED: f64 = 20e9;
+const SPEED: f64 = 60e9;
 /// Bytes a second of a substitution, which reads the factor twice.
 const BANDWIDTH: f64 = 10e9;
 /// Seconds of a load for every pair of candidates.
 const SECONDS_PAIR: f64 = 3e-7;
-/// Seconds of a load on a fine grid, with friction.
-const SECONDS_FINE: f64 = 0.06;
-/// Seconds of a load on a grid of half its spacing and on the grid itself, without friction.
-const SECONDS_HALVED: f64 = 0.4;
+/// Seconds of a load on a fine grid, with friction, where the wheel stands on its tread.
+const SECONDS_FINE: f64 = 0.02;
+/// Seconds of a load on a grid of half its spacing and on the grid itself, without friction, on the tread.
+const SECONDS_HALVED: f64 = 0.05;
+/// How many times as long a load takes on the flange and its corner, in the mean.
+const ON_FLANGE: f64 = 3.5;
+/// Contact angle from which on a wheel stands there, rad.
+const FLANGE_ANGLE: f64 = 0.2;
+/// Seconds of a place in which elements of the solids are fitted.
+const SECONDS_ELEMENT: f64 = 1.0;
+/// Seconds of a load of the calibration, with patch, stresses, fields and its share of the horizontal stiffness.
+const SECONDS_WHOLE_LOAD: f64 = 0.2;
+/// Seconds of a sample of the uncertain inputs on one thread: four loads without friction.
+const SECONDS_SAMPLE: f64 = 0.055;
+/// What the changes of one input at a time take, in samples: two of each of some ten inputs, with patches and horizontal stiffness.
+const SAMPLES_ALONE: f64 = 60.0;
 /// Seconds of contact in a time step.
 const SECONDS_STEP: f64 = 0.008;
 /// Runs that are in memory together: with all modes, with fewer, and with a larger input.
@@ -91,6 +103,8 @@ pub struct Estimate {
     pub stages: Vec<StageEstimate>,
     /// Time of condensing both bodies, and those of coarser meshes where the study has error bands, s; they are among the stages.
     pub condensing_seconds: f64,
+    /// Time of the wheel at all shifts of the study on one thread, without elements, s.
+    pub places_seconds: f64,
     /// The calibration on the next finer meshes, where the study has a wanted error of meshes: how often they are refined is not known
     /// before, so that no refinement is among the stages.
     pub finer: Option<StageEstimate>,
@@ -135,7 +149,7 @@ impl Estimate {
         let mut stages = Vec::new();
         let mut finer = None;
         let mut beside = Beside::default();
-        let mut condensing_seconds = 0.0;
+        let (mut condensing_seconds, mut places_seconds) = (0.0, 0.0);
         if work.calibrate {
             condensing_seconds = pair.condensing_seconds();
             if input.statics.wants_error_band() && input.statics.meshes_are_ours() {
@@ -143,11 +157,14 @@ impl Estimate {
             }
             let candidates = Candidates::of(input, geometry, meshes);
             stages.push(pair.calibration(candidates));
+            places_seconds =
+                pair.places(&places::shifts(input.statics, input.shifts, &geometry.pair), candidates);
             if input.wants_by_angle {
                 stages.push(pair.by_angle(candidates)?);
             }
             if input.statics.wants_error_band() {
                 stages.push(pair.error_band()?);
+                stages.extend(pair.uncertainty());
             }
             let ways = pair.ways_held();
             let modes = input.modes as f64;
@@ -224,6 +241,7 @@ impl Estimate {
         let slowness = slowness();
         stages.iter_mut().chain(&mut finer).for_each(|stage| stage.seconds *= slowness);
         condensing_seconds *= slowness;
+        places_seconds *= slowness;
         // one load case after the other
         let in_time = &stages[stages.len() - work.solids.len()..];
         beside.stages += in_time.iter().map(|stage| stage.memory).fold(0.0, f64::max);
@@ -232,6 +250,7 @@ impl Estimate {
             contact_nodes: [rail.mesh.contact, wheel.mesh.contact],
             stages,
             condensing_seconds,
+            places_seconds,
             finer,
             beside,
         })
@@ -389,7 +408,8 @@ impl Pair<'_> {
             seconds: self.condensing_seconds()
                 + wheel.seconds_inside()
                 + rail.seconds_inside()
-                + ways * pressing(input, &input.statics.calibration.loads, candidates),
+                + ways * pressing(input, &input.statics.calibration.loads, candidates)
+                + SECONDS_WHOLE_LOAD * input.statics.calibration.loads.len() as f64,
         }
     }
 
@@ -413,28 +433,41 @@ impl Pair<'_> {
     fn by_angle(&self, candidates: Candidates) -> Result<StageEstimate> {
         let Self { input, geometry, rail, wheel, base, .. } = self;
         // each thread presses the wheel in one place, and keeps no state but the last
-        let shifts = places::shifts(input.statics, input.shifts, &geometry.pair).len() as f64;
-        let threads = (rayon::current_num_threads() as f64).min(shifts);
-        // one more of the rail is against its section
-        let ways = self.ways_held();
-        let mut kept = wheel.dense() + (ways + 1.0) * rail.dense();
-        let mut of_a_shift = ways * pressing(input, &places::loads_by_angle(input.statics), candidates);
-        if input.statics.wants_error_band() {
-            let loads = FIXED_LOADS_CHANGED as f64;
-            let (on_grids, of_a_load) = changed(input);
-            of_a_shift += loads * on_grids;
-            if input.statics.meshes_are_ours() {
-                let Self { rail, wheel, .. } = self.coarser()?;
-                kept += wheel.dense() + (ways + 1.0) * rail.dense();
-                // on both meshes
-                of_a_shift += loads * 2.0 * ways * of_a_load;
-            }
+        let shifts = places::shifts(input.statics, input.shifts, &geometry.pair);
+        let threads = (rayon::current_num_threads() as f64).min(shifts.len() as f64);
+        let mut kept = wheel.dense() + (self.ways_held() + 1.0) * rail.dense();
+        if input.statics.wants_error_band() && input.statics.meshes_are_ours() {
+            let Self { rail, wheel, .. } = self.coarser()?;
+            kept += wheel.dense() + (self.ways_held() + 1.0) * rail.dense();
         }
+        let fitted = if input.modes > 0 { SECONDS_ELEMENT * shifts.len() as f64 } else { 0.0 };
         Ok(StageEstimate {
             stage: "law by contact angle".into(),
             memory: base + kept + 2.0 * threads * Candidates::dense(candidates.first),
-            seconds: of_a_shift * (shifts / threads).ceil(),
+            seconds: (self.places(&shifts, candidates) + fitted) / threads,
         })
+    }
+
+    /// Time of the wheel at some shifts (m), one after the other, with error bands where they are wanted, s.
+    fn places(&self, shifts: &[f64], candidates: Candidates) -> f64 {
+        let Self { input, geometry, .. } = self;
+        let ways = self.ways_held();
+        let mut of_a_place = ways * pressing(input, &places::loads_by_angle(input.statics), candidates);
+        if input.statics.wants_error_band() {
+            let loads = FIXED_LOADS_CHANGED as f64;
+            let (on_grids, of_a_load) = changed(input);
+            of_a_place += loads * on_grids;
+            if input.statics.meshes_are_ours() {
+                // on both meshes
+                of_a_place += loads * 2.0 * ways * of_a_load;
+            }
+        }
+        let stands_on_flange = |shift: f64| {
+            let place = geometry.pair.with_wheel_at(places::tape_y(input.statics, &geometry.pair, shift));
+            place.is_ok_and(|pair| pair.touch.contact_angle.abs() > FLANGE_ANGLE)
+        };
+        let times = |shift: &f64| if stands_on_flange(*shift) { ON_FLANGE } else { 1.0 };
+        of_a_place * shifts.iter().map(times).sum::<f64>()
     }
 
     /// The same pair on the program's meshes with other sizes.
@@ -465,6 +498,17 @@ impl Pair<'_> {
         let seconds = rails * rail.seconds() + wheels * wheel.seconds() + pressed;
         let memory = base + rail.dense() + wheel.dense() + self.condensing(0.0, 0.0);
         Some(StageEstimate { stage: "other bodies and places".into(), memory, seconds })
+    }
+
+    /// The springs with other inputs, on the bodies that there are; a contact between elements has none.
+    fn uncertainty(&self) -> Option<StageEstimate> {
+        let Self { input, rail, wheel, base, .. } = self;
+        let samples = SAMPLES_ALONE + input.statics.uncertainty.samples as f64;
+        (input.statics.contact.field == FieldKey::Hybrid).then(|| StageEstimate {
+            stage: "uncertainty of the inputs".into(),
+            memory: base + rail.dense() + wheel.dense(),
+            seconds: samples * SECONDS_SAMPLE / rayon::current_num_threads() as f64,
+        })
     }
 
     /// The error bands of the laws: the bodies of coarser meshes beside those of the laws, and the loads on both and on the halved grid.
