@@ -231,7 +231,9 @@ pub fn response_to(
     sticking: bool,
     factors: &mut Factors,
 ) -> Option<Mat<f64>> {
-    let Some(halves) = Halves::of(problem) else {
+    // a hub that moves along the track, or turns, leaves the mirror image
+    let mirrored = Halves::of(problem).filter(|halves| rates.iter().all(|rates| halves.are_of(rates)));
+    let Some(halves) = mirrored else {
         return response_of_all(problem, solution, rates, sticking, factors);
     };
     let compliance = halves.compliance(problem.compliance);
