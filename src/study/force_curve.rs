@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use csv::{ReaderBuilder, StringRecord};
+use csv::StringRecord;
 use railspring_profiles::error::InputError;
 use railspring_profiles::input;
 use railspring_profiles::units::{KILONEWTON, MILLIMETRE};
@@ -123,13 +123,7 @@ fn points(
     let mut lines = (1..).zip(text.lines());
     let (line, heading): (u64, &str) =
         lines.find(|(_, line)| !line.trim().is_empty() && !line.starts_with('#')).unwrap_or((1, ""));
-    let delimiter =
-        [b';', b'\t', b','].into_iter().find(|at| heading.as_bytes().contains(at)).unwrap_or(b',');
-    let mut reader = ReaderBuilder::new()
-        .delimiter(delimiter)
-        .comment(Some(b'#'))
-        .trim(csv::Trim::All)
-        .from_reader(text.as_bytes());
+    let (mut reader, delimiter) = super::tables::reader(heading, text);
     let broken = |cause: csv::Error| {
         let line = cause.position().map_or(1, csv::Position::line);
         wrong(file, line, cause, "as many cells on each line as there are names", "correct the line")

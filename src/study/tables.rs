@@ -82,6 +82,18 @@ pub(crate) struct Table {
     keys: TableKeys,
 }
 
+/// A reader of columns by the `heading` of their `text`, without lines that begin with `#`; and what lies between them: semicolons, tabs or commas.
+pub(super) fn reader<'t>(heading: &str, text: &'t str) -> (csv::Reader<&'t [u8]>, u8) {
+    let delimiter =
+        [b';', b'\t', b','].into_iter().find(|at| heading.as_bytes().contains(at)).unwrap_or(b',');
+    let reader = ReaderBuilder::new()
+        .delimiter(delimiter)
+        .comment(Some(b'#'))
+        .trim(csv::Trim::All)
+        .from_reader(text.as_bytes());
+    (reader, delimiter)
+}
+
 impl Table {
     /// Reads the table of a key; `folder` is that of the study.
     ///
@@ -127,13 +139,7 @@ impl Table {
     fn fill(&mut self, text: &str) -> Result<(), InputError> {
         let heading =
             text.lines().find(|line| !line.trim().is_empty() && !line.starts_with('#')).unwrap_or("");
-        let delimiter =
-            [b';', b'\t', b','].into_iter().find(|at| heading.as_bytes().contains(at)).unwrap_or(b',');
-        let mut reader = ReaderBuilder::new()
-            .delimiter(delimiter)
-            .comment(Some(b'#'))
-            .trim(csv::Trim::All)
-            .from_reader(text.as_bytes());
+        let (mut reader, delimiter) = reader(heading, text);
         let broken = |table: &Self, cause: &csv::Error| {
             let line = cause.position().map_or(1, csv::Position::line);
             let expected = "as many cells on each line as there are names";

@@ -160,7 +160,7 @@ impl Estimate {
             places_seconds =
                 pair.places(&places::shifts(input.statics, input.shifts, &geometry.pair), candidates);
             if input.wants_by_angle {
-                stages.push(pair.by_angle(candidates)?);
+                stages.push(pair.by_angle(candidates, places_seconds)?);
             }
             if input.statics.wants_error_band() {
                 stages.push(pair.error_band()?);
@@ -429,12 +429,13 @@ impl Pair<'_> {
         wheel.making(modes).max(wheel.dense() + other + rail.making(modes))
     }
 
-    /// The laws by contact angle with their error bands.
-    fn by_angle(&self, candidates: Candidates) -> Result<StageEstimate> {
+    /// The laws by contact angle with their error bands, whose places take so many seconds on one thread.
+    fn by_angle(&self, candidates: Candidates, places_seconds: f64) -> Result<StageEstimate> {
         let Self { input, geometry, rail, wheel, base, .. } = self;
         // each thread presses the wheel in one place, and keeps no state but the last
         let shifts = places::shifts(input.statics, input.shifts, &geometry.pair);
         let threads = (rayon::current_num_threads() as f64).min(shifts.len() as f64);
+        // one more of the rail is against its section
         let mut kept = wheel.dense() + (self.ways_held() + 1.0) * rail.dense();
         if input.statics.wants_error_band() && input.statics.meshes_are_ours() {
             let Self { rail, wheel, .. } = self.coarser()?;
@@ -444,7 +445,7 @@ impl Pair<'_> {
         Ok(StageEstimate {
             stage: "law by contact angle".into(),
             memory: base + kept + 2.0 * threads * Candidates::dense(candidates.first),
-            seconds: (self.places(&shifts, candidates) + fitted) / threads,
+            seconds: (places_seconds + fitted) / threads,
         })
     }
 
