@@ -68,6 +68,8 @@ pub(super) struct Starts {
 
 /// Where the fit begins. `mirrors` are the mirror images that are tried.
 pub(super) fn starts(reference: &Reference, samples: &[Sample], mirrors: &[bool]) -> Starts {
+    let standard: Vec<Vector2<f64>> =
+        reference.curve.sample(MILLIMETRE).into_iter().map(|p: Point2<f64>| p.coords).collect();
     let mut begun: Vec<Candidate> = Vec::new();
     for &mirror in mirrors {
         let all = if mirror { mirrored(samples) } else { samples.to_vec() };
@@ -75,7 +77,7 @@ pub(super) fn starts(reference: &Reference, samples: &[Sample], mirrors: &[bool]
         for half_turn in [0.0, 180.0] {
             for turn in TURNS {
                 let angle = (half_turn + turn).to_radians();
-                for pose in laid_on(reference, &all, angle) {
+                for pose in laid_on(reference.kind, &standard, &all, angle) {
                     let cost = cost(reference, &coarse, &pose, FIRST_SCALE);
                     begun.push(Candidate { mirrored: mirror, pose, cost });
                 }
@@ -161,15 +163,13 @@ fn distinct(mut candidates: Vec<Candidate>, same: f64) -> Vec<Candidate> {
     kept
 }
 
-/// Poses at an angle that lay the lowest or highest place, and one side after the other, onto those of the standard.
-fn laid_on(reference: &Reference, samples: &[Sample], angle: f64) -> Vec<Pose> {
+/// Poses at an angle that lay the lowest or highest place, and one side after the other, onto those of a `standard` by its points.
+fn laid_on(kind: ProfileKind, standard: &[Vector2<f64>], samples: &[Sample], angle: f64) -> Vec<Pose> {
     let turn = Rotation2::new(angle);
     let turned: Vec<Vector2<f64>> = samples.iter().map(|s| turn * s.at).collect();
-    let standard: Vec<Vector2<f64>> =
-        reference.curve.sample(MILLIMETRE).into_iter().map(|p: Point2<f64>| p.coords).collect();
-    let shifts = match reference.kind {
+    let shifts = match kind {
         ProfileKind::Rail => {
-            let (ours, theirs) = (head(&turned), head(&standard));
+            let (ours, theirs) = (head(&turned), head(standard));
             let middle = |sides: [f64; 2]| 0.5 * (sides[0] + sides[1]);
             let z = theirs.top - ours.top;
             vec![
@@ -185,11 +185,11 @@ fn laid_on(reference: &Reference, samples: &[Sample], angle: f64) -> Vec<Pose> {
             let end = |points: &[Vector2<f64>], sign: f64| {
                 points.iter().map(|p| sign * p.x).fold(f64::NEG_INFINITY, f64::max) * sign
             };
-            let by_tip = tip(&standard) - tip(&turned);
+            let by_tip = tip(standard) - tip(&turned);
             vec![
                 by_tip,
-                Vector2::new(end(&standard, -1.0) - end(&turned, -1.0), by_tip.y),
-                Vector2::new(end(&standard, 1.0) - end(&turned, 1.0), by_tip.y),
+                Vector2::new(end(standard, -1.0) - end(&turned, -1.0), by_tip.y),
+                Vector2::new(end(standard, 1.0) - end(&turned, 1.0), by_tip.y),
             ]
         }
     };
