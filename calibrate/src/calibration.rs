@@ -5,6 +5,7 @@ mod zone;
 mod far_field;
 mod grid;
 mod fine;
+mod nodal_motion;
 mod pressed;
 mod candidates;
 mod regions;

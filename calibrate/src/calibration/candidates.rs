@@ -53,6 +53,13 @@ impl<'a> FinePlan<'a> {
     }
 }
 
+impl FinePlan<'_> {
+    /// Whether the iteration starts from a state of the same pair.
+    pub fn is_from_start(&self) -> bool {
+        matches!(self.first_far, FirstFar::Start)
+    }
+}
+
 impl WheelOnRail<'_> {
     /// The contact nodes of the rail's mesh near the wheel.
     pub(super) fn element_candidates(
@@ -118,8 +125,8 @@ impl WheelOnRail<'_> {
         let solids = self.solids(hub);
         let directions = self.directions();
         let known = last.and_then(|last| Some((last, last.fine()?)));
-        // what the bodies give way by, and how near points must then be
-        let (moved, margin) = match known {
+        // what share of its state the bodies give way by, and how near points must then be
+        let (share, margin) = match known {
             Some((last, fine)) => {
                 // patch and approach grow as on Hertz' ellipses, and the bodies give way as the hub does
                 let growth = (load / last.load).cbrt();
@@ -128,27 +135,24 @@ impl WheelOnRail<'_> {
                     let across = widths(&fine.lattice, &last.points, &last.solution.forces);
                     let region = match plan.first_far {
                         FirstFar::Start => self.region(last, higher),
-                        // the gaps that it knows are those of its own pair
+                        // cached gaps are those of its own pair
                         FirstFar::Other(_) => self.region_of(last, &self.node_gaps(last), higher),
                     };
                     plan.chosen = Some((self.lattice(across.map(|w| w * growth)), region));
                 }
                 let [way, before] = [hub, &last.hub].map(|hub| hub.dot(&self.along));
-                let share = if before == 0.0 { 1.0 } else { way / before };
-                let moved = last.displacement(self).each_ref();
-                (
-                    moved.map(|body| body.iter().map(|u| share * u).collect::<Vec<_>>()),
-                    higher * self.reach(last),
-                )
+                (if before == 0.0 { 1.0 } else { way / before }, higher * self.reach(last))
             }
             None => {
                 let (lattice, region, margin) = self.first_plan(hub, load, &solids);
                 plan.chosen = Some((lattice, region));
-                (self.at_rest(), margin)
+                (0.0, margin)
             }
         };
-        let [rail, wheel] = &moved;
-        let displaced = Displaced { rail, wheel, margin };
+        let opening = |point: &ContactPoint, direction: usize| {
+            known.map_or(0.0, |(last, _)| share * last.opening(self, point, direction))
+        };
+        let displaced = Displaced { opening: &opening, margin };
         let (lattice, region) = plan.chosen.as_ref().expect("chosen above");
         let known_fine = match std::mem::take(&mut plan.first_far) {
             FirstFar::Start => known.map(|(_, fine)| fine),

@@ -41,8 +41,8 @@ pub(super) struct FarField {
     wheel: Vector2<f64>,
     /// Which of the points stands at each node of the rail's grid.
     slot: Vec<Option<usize>>,
-    /// Whether it is its own mirror image along the track, but for [`ALIKE`].
-    pub is_mirrored: bool,
+    /// The mirror image of each point along the track, where the whole is its own one but for [`ALIKE`].
+    pub twins: Option<Arc<Vec<Option<usize>>>>,
 }
 
 /// Part of its largest value by which a far field may differ from its mirror image: the last digits of a condensed body. The difference acts on both sides the opposite
@@ -77,7 +77,8 @@ impl FarField {
             let size = directions * points.len();
             let bodies = [Mat::zeros(size, size), Mat::zeros(size, size)];
             let sum = Arc::new(bodies[0].clone());
-            return Self { points, sum, bodies, nodes, turn, wheel, slot, is_mirrored: true };
+            let twins = Some(Arc::new(twins(&points, &slot, columns)));
+            return Self { points, sum, bodies, nodes, turn, wheel, slot, twins };
         };
         let stand_ins = StandIns { points: &points, slot: &slot, columns };
         let of = |body: &dyn NodalCompliance, side| {
@@ -99,9 +100,10 @@ impl FarField {
         }
         let sum =
             Mat::from_fn(rail_part.nrows(), rail_part.ncols(), |r, c| rail_part[(r, c)] + wheel_part[(r, c)]);
-        let is_mirrored = is_mirrored(&sum, &points, &slot, columns);
+        let twins = twins(&points, &slot, columns);
+        let twins = is_mirrored(&sum, &twins).then(|| Arc::new(twins));
         let bodies = [rail_part, wheel_part];
-        Self { points, bodies, sum: Arc::new(sum), nodes, turn, wheel, slot, is_mirrored }
+        Self { points, bodies, sum: Arc::new(sum), nodes, turn, wheel, slot, twins }
     }
 
     /// Whether the wheel has slid past the rail by less than [`FAR_SLIDE`] since it was made.
@@ -143,18 +145,20 @@ impl FarField {
     }
 }
 
-/// Whether the values of mirror images along the track are alike, on a grid with so many lines along the track. A point at the end of the surfaces may have no mirror image: the
+/// The mirror images of points along the track, on a grid with so many lines along it; `slot` has the point at each node.
+fn twins(points: &[ContactPoint], slot: &[Option<usize>], columns: usize) -> Vec<Option<usize>> {
+    let twin = |point: &ContactPoint| {
+        let twin = slot[point.index.0 * columns + columns - 1 - point.index.1]?;
+        let apart = points[twin].position.y + point.position.y;
+        (apart.abs() < 1e-9 * point.widths.y).then_some(twin)
+    };
+    points.iter().map(twin).collect()
+}
+
+/// Whether the values of mirror images along the track are alike. A point at the end of the surfaces may have no mirror image: the
 /// points of a contact that have shares in it have none either.
-fn is_mirrored(sum: &Mat<f64>, points: &[ContactPoint], slot: &[Option<usize>], columns: usize) -> bool {
-    let n = points.len();
-    let twins: Vec<Option<usize>> = points
-        .iter()
-        .map(|point| {
-            let twin = slot[point.index.0 * columns + columns - 1 - point.index.1]?;
-            let apart = points[twin].position.y + point.position.y;
-            (apart.abs() < 1e-9 * point.widths.y).then_some(twin)
-        })
-        .collect();
+fn is_mirrored(sum: &Mat<f64>, twins: &[Option<usize>]) -> bool {
+    let n = twins.len();
     let largest = (0..sum.nrows()).fold(0.0_f64, |m, row| m.max(sum[(row, row)].abs()));
     let twin_of = |row: usize| Some(row / n * n + twins[row % n]?);
     // along the track the mirror image has the opposite direction

@@ -59,7 +59,7 @@ impl FineContact {
             true
         });
         let mut near = displaced.near(&far, &points, &shares, directions);
-        if far.is_mirrored {
+        if far.twins.is_some() {
             near = with_twins(&near, &points, &lattice);
         }
         let mut keep = near.iter();
@@ -69,7 +69,7 @@ impl FineContact {
         let near = NearField::on_grid(lattice.cell, &solids.half_spaces, &points, directions);
         let same_far = known.filter(|known| Arc::ptr_eq(&known.far, &far));
         let hybrid = Hybrid::new(near, &far.sum, shares, same_far.map(|known| &known.hybrid))
-            .mirrored(far.is_mirrored);
+            .mirrored(far.twins.clone());
         (points, Self { lattice, far, hybrid, half_spaces: solids.half_spaces })
     }
 
@@ -94,7 +94,7 @@ impl FineContact {
         let directions = self.hybrid.rows().checked_div(self.hybrid.points()).unwrap_or(1);
         let near = NearField::on_grid(lattice.cell, &self.half_spaces, &points, directions);
         let hybrid =
-            Hybrid::new(near, &self.far.sum, shares, Some(&self.hybrid)).mirrored(self.far.is_mirrored);
+            Hybrid::new(near, &self.far.sum, shares, Some(&self.hybrid)).mirrored(self.far.twins.clone());
         (points, Self { lattice, far: self.far.clone(), hybrid, half_spaces: self.half_spaces })
     }
 
@@ -136,7 +136,7 @@ impl FineContact {
     /// Displacements of the opposing surface against the base at the points, m, by direction and point: those of the contact
     /// nodes of the bodies (`3·node + axis`, m), as the forces of the points reach these nodes.
     pub fn motion_of_nodes(&self, rail: &[f64], wheel: &[f64]) -> Vec<f64> {
-        let coarse = |d: usize, point: usize| opening(&self.far.points[point], d, [rail, wheel]);
+        let coarse = |d: usize, point: usize| self.far.points[point].opening(d, [rail, wheel]);
         let mut motion = vec![0.0; self.hybrid.rows()];
         self.hybrid.interpolate(coarse, &mut motion);
         motion
@@ -319,13 +319,10 @@ fn at_end(grid: &SurfaceGrid, lattice: &Lattice, place: &Point2<f64>) -> bool {
     })
 }
 
-/// Displacements of the contact nodes of both bodies (`3·node + axis`, m) beyond their places, with which only points
-/// whose gap is smaller than `margin` (m) are in reach.
+/// Displacements of both bodies beyond their places, with which only points whose gap is smaller than `margin` (m) are in reach.
 pub struct Displaced<'a> {
-    /// Of the rail, m.
-    pub rail: &'a [f64],
-    /// Of the wheel, m.
-    pub wheel: &'a [f64],
+    /// Displacement of the opposing surface against the base at a point of the contact grid in a direction, m.
+    pub opening: &'a dyn Fn(&ContactPoint, usize) -> f64,
     /// Gap below which points are in reach, m.
     pub margin: f64,
 }
@@ -339,7 +336,7 @@ impl Displaced<'_> {
         shares: &[Shares],
         directions: usize,
     ) -> Vec<bool> {
-        let of = |point: &ContactPoint, d: usize| opening(point, d, [self.rail, self.wheel]);
+        let of = self.opening;
         // normal and lateral ones of the points of the far field that there are shares in
         let mut motions = vec![None; far.points.len()];
         for share in shares.iter().flatten() {
@@ -393,11 +390,6 @@ fn with_twins(near: &[bool], points: &[ContactPoint], lattice: &Lattice) -> Vec<
         .zip(near)
         .map(|(point, is_near)| *is_near && twin(point).is_some_and(|twin| near[twin]))
         .collect()
-}
-
-/// Displacement in a direction of the opposing surface against the base at a point, m, by those of the contact nodes of rail and wheel.
-fn opening(point: &ContactPoint, direction: usize, [rail, wheel]: [&[f64]; 2]) -> f64 {
-    point.displacement(Side::Opposing, direction, wheel) - point.displacement(Side::Base, direction, rail)
 }
 
 /// The numbers of the points of a list by their places on the grid, of the rectangle of its lines that holds all.
@@ -470,10 +462,7 @@ fn points_in(cells: &[(usize, usize)], lattice: &Lattice, solids: &Solids) -> Ve
     let (s, x) = (&grid.along_profile, &grid.along_track);
     let mut nodes = Vec::new();
     for &(i, k) in cells {
-        // both ends of a cell along the track, so that the nodes before the middle are those behind it
-        let (first, last) =
-            (lattice.coordinate(1, x[k]) - ON_LINE, lattice.coordinate(1, x[k + 1]) + ON_LINE);
-        let columns = first.ceil().max(0.0) as usize..=last.floor() as usize;
+        let columns = lattice.columns_within(x[k], x[k + 1]);
         for a in lattice.lines_within(0, s[i], s[i + 1]) {
             nodes.extend(columns.clone().map(|b| (a, b)));
         }

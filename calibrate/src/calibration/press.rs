@@ -4,7 +4,7 @@ use super::candidates::{Candidates, FinePlan};
 use super::grid::touches_border;
 use super::pressed::{ContactField, Elasticity, Pressed, WheelOnRail, edge_reached};
 use crate::contact::{
-    ContactPoint, Factors, FreeDirection, HubResponse, PointMode, Problem, Side, TOLERANCE, gaps,
+    ContactPoint, Factors, FreeDirection, HubResponse, PointMode, Problem, Solution, TOLERANCE, gaps,
     response_to, solve_to,
 };
 use nalgebra::{DMatrix, Vector2};
@@ -17,6 +17,8 @@ const HUB_TOLERANCE: f64 = 1e-10;
 /// The same on a fine grid, whose gaps follow the hub along the normals of the rail. Across a patch those of the wheel differ from
 /// them by a tenth of a radian at most, so that pairing again would move the hub by less than [`HUB_TOLERANCE`].
 const FINE_HUB_TOLERANCE: f64 = 1e-9;
+/// Largest way of the hub, m, after which it may turn out that the gaps are as they were: they are curved over the radii of profiles.
+const SHORT_WAY: f64 = 2e-6;
 /// SOLVER: residual over the largest force of the solution before the points are paired again. It places the hub to 1e-10 m, within
 /// [`FINE_HUB_TOLERANCE`].
 const UNPAIRED: f64 = 1e-6;
@@ -163,34 +165,44 @@ impl WheelOnRail<'_> {
         };
         let directions = self.directions();
         let along = self.along.into_inner();
-        let mut hub = near.map_or(Vector2::zeros(), |b| {
-            let pressed = along * b.hub.dot(&along);
-            (b.hub - pressed) + pressed * (load / b.load).powf(0.75)
-        });
+        let mut hub = near
+            .map_or(Vector2::zeros(), |b| b.hub + along * (b.way_under(load, &along) - b.hub.dot(&along)));
         let (mut share, mut moved, mut active) = (1.0, 0.0_f64, 0);
         let mut previous: Option<Pressed> = None;
+        // how the hub has moved since the previous state, where that has the grid for the next one
+        let mut step: Option<Vector2<f64>> = None;
+        // from a state of the same pair the hub is found so well that the first solution may be the last
+        let from_own = near.is_some_and(|near| near.response.is_some()) && plan.is_from_start();
         let mut factors = Factors::default();
         let tolerance = match self.field {
             ContactField::Elements => HUB_TOLERANCE,
             ContactField::Hybrid | ContactField::HybridHalved => FINE_HUB_TOLERANCE,
         };
         for iteration in 0..PAIRING_LIMIT {
-            let last = previous.as_ref().or(near);
-            let candidates = match self.field {
-                ContactField::Elements => self.element_candidates(&hub, previous.as_ref(), near),
-                ContactField::Hybrid | ContactField::HybridHalved => {
-                    self.fine_candidates(&hub, load, last, &mut plan)
+            let paired_before = previous.is_some();
+            let again = step.take().and_then(|step| self.paired_again(&mut previous, &hub, &step));
+            let (Candidates { mut points, elasticity, start }, mut free) = match again {
+                Some(again) => again,
+                None => {
+                    let last = previous.as_ref().or(near);
+                    let candidates = match self.field {
+                        ContactField::Elements => self.element_candidates(&hub, previous.as_ref(), near),
+                        ContactField::Hybrid | ContactField::HybridHalved => {
+                            self.fine_candidates(&hub, load, last, &mut plan)
+                        }
+                    };
+                    let Candidates { points, elasticity, .. } = &candidates;
+                    if points.is_empty() {
+                        return Err(failure(iteration, f64::NAN, 0, StopReason::EdgeOfCandidates));
+                    }
+                    let mut free = gaps(points);
+                    free.resize(directions * points.len(), 0.0);
+                    if directions == 3 {
+                        self.add_slip_since(before, points, elasticity, &hub, &mut free);
+                    }
+                    (candidates, free)
                 }
             };
-            let Candidates { mut points, elasticity, start } = candidates;
-            if points.is_empty() {
-                return Err(failure(iteration, f64::NAN, 0, StopReason::EdgeOfCandidates));
-            }
-            let mut free = gaps(&points);
-            free.resize(directions * points.len(), 0.0);
-            if directions == 3 {
-                self.add_slip_since(before, &points, &elasticity, &hub, &mut free);
-            }
             let wanted = [FreeDirection { along: self.world_direction(), force: -load }];
             let problem = Problem {
                 points: &points,
@@ -202,7 +214,7 @@ impl WheelOnRail<'_> {
             // the points are paired again after the first solution
             let residual = match (iteration, near) {
                 (0, None) => UNGRIDDED,
-                (0, Some(_)) => UNPAIRED,
+                (0, Some(_)) if !from_own => UNPAIRED,
                 _ => TOLERANCE,
             };
             let solution =
@@ -217,19 +229,23 @@ impl WheelOnRail<'_> {
             if hub.dot(&along) + way < -AGAINST_THE_LOAD {
                 return Err(failure(iteration, way, active, StopReason::Indefinite));
             }
-            let settled = way.abs() < tolerance && previous.is_some();
+            let settled = (way.abs() < tolerance && paired_before)
+                || (residual == TOLERANCE
+                    && way.abs() < SHORT_WAY
+                    && self.gaps_stay(&points, &solution, &elasticity, &hub, way));
             if settled {
                 hub += along * way;
                 points.iter_mut().for_each(|point| point.gap += point.normal.dot(&along) * way);
                 add_motion(&points, &(along * way), &mut free);
             } else {
                 hub += along * share * way;
+                step = Some(along * share * way);
             }
-            let (response, displacement, node_gaps) = (None, OnceLock::new(), OnceLock::new());
+            let (response, motions, node_gaps) = (None, OnceLock::new(), OnceLock::new());
             let mut state =
-                Pressed { load, hub, points, free, solution, response, elasticity, displacement, node_gaps };
+                Pressed { load, hub, points, free, solution, response, elasticity, motions, node_gaps };
             if self.revise(&mut plan, &state, settled) {
-                previous = Some(state);
+                (previous, step) = (Some(state), None);
                 continue;
             }
             if settled {
@@ -250,6 +266,57 @@ impl WheelOnRail<'_> {
             previous = Some(state);
         }
         Err(failure(PAIRING_LIMIT, moved.abs(), active, StopReason::IterationLimit))
+    }
+
+    /// The points of a `state` on a fine grid with the hub at `hub`, `step` from where their gaps are, with its elasticity and its forces, and their gaps and slips: points stay
+    /// where they are on the rail. None, and the state as it was, where the wheel no longer faces them, or has slid too far for its far field.
+    fn paired_again(
+        &self,
+        state: &mut Option<Pressed>,
+        hub: &Vector2<f64>,
+        step: &Vector2<f64>,
+    ) -> Option<(Candidates, Vec<f64>)> {
+        let Pressed { points, elasticity: Elasticity::Hybrid(fine), .. } = state.as_ref()? else {
+            return None;
+        };
+        let nodes: Vec<_> = points.iter().map(|point| point.index).collect();
+        let solids = self.solids(hub);
+        let paired = fine.lattice.points(&solids.rail_surface, &solids.wheel_surface, &nodes);
+        if !fine.is_near(&solids) || paired.len() < points.len() {
+            return None;
+        }
+        let Pressed { mut points, mut free, elasticity, solution, .. } = state.take()?;
+        add_motion(&points, step, &mut free);
+        for ((point, now), gap) in points.iter_mut().zip(paired).zip(&mut free) {
+            (point.gap, point.opposing_position) = (now.gap, now.opposing_position);
+            *gap = now.gap;
+        }
+        Some((Candidates { points, elasticity, start: solution.forces }, free))
+    }
+
+    /// Whether the gaps of the points that carry load change with the `way` of the hub, m, as the normals of the rail have it: then pairing them again would move the
+    /// hub by less than [`HUB_TOLERANCE`].
+    fn gaps_stay(
+        &self,
+        points: &[ContactPoint],
+        solution: &Solution,
+        elasticity: &Elasticity,
+        hub: &Vector2<f64>,
+        way: f64,
+    ) -> bool {
+        let Elasticity::Hybrid(fine) = elasticity else { return false };
+        let along = self.along.into_inner();
+        let carrying: Vec<usize> = (0..points.len()).filter(|&j| solution.forces[j] > 0.0).collect();
+        let nodes: Vec<_> = carrying.iter().map(|&j| points[j].index).collect();
+        let wheel = self.wheel_surface.moved(&(hub + along * way));
+        let now = fine.lattice.points(&self.rail_surface, &wheel, &nodes);
+        let (mut off, mut sum) = (0.0, 0.0);
+        for (&j, now) in carrying.iter().zip(&now) {
+            let expected = points[j].gap + points[j].normal.dot(&along) * way;
+            off += solution.forces[j] * (now.gap - expected).abs();
+            sum += solution.forces[j];
+        }
+        now.len() == nodes.len() && off < HUB_TOLERANCE * sum
     }
 
     /// The answer to a motion of the hub along its direction. The wheel faces the rail elsewhere then, so that its gaps follow the normals of the
@@ -309,9 +376,7 @@ impl WheelOnRail<'_> {
             if let Some(fine) = &fine {
                 free[row] -= fine[j][d - 1];
             } else if let Some(before) = before {
-                let [rail, wheel] = before.displacement(self);
-                free[row] -= points[j].displacement(Side::Opposing, d, wheel);
-                free[row] += points[j].displacement(Side::Base, d, rail);
+                free[row] -= before.opening(self, &points[j], d);
             }
         }
     }

@@ -1,12 +1,12 @@
 //! A wheel above a rail, and its equilibrium under a load.
 
 use super::fine::FineContact;
+use super::nodal_motion::NodalMotion;
 use crate::contact::{
     BodyCompliance, Compliance, ComplianceOperator, ContactPoint, HalfSpace, HubResponse, PairingLimits,
     PenaltySprings, Problem, Side, Solution, Surface, nodal_forces, nodes_near, pair, resultant, total,
 };
 use crate::solid::Material;
-use crate::superelement::times;
 use faer::Mat;
 use nalgebra::{Unit, Vector2, Vector3};
 use railspring_profiles::error::{InputError, Result, StopReason};
@@ -142,8 +142,8 @@ pub struct Pressed {
     /// Answer of the linearised contact to a motion of the hub along the direction in which the wheel is pressed; none where it has none.
     pub(super) response: Option<HubResponse>,
     pub(super) elasticity: Elasticity,
-    /// Displacements of the contact nodes of rail and wheel relative to the bodies' supports, m, once they are asked for.
-    pub(super) displacement: OnceLock<[Vec<f64>; 2]>,
+    /// Displacements of the contact nodes of rail and wheel relative to the bodies' supports, once they are asked for.
+    pub(super) motions: OnceLock<[NodalMotion; 2]>,
     /// Nodes of the rail's grid near the wheel, with their gaps under the load, m, once they are asked for.
     pub(super) node_gaps: OnceLock<Vec<((usize, usize), f64)>>,
 }
@@ -206,11 +206,6 @@ impl WheelOnRail<'_> {
         [HalfSpace::new(rail, Side::Base), HalfSpace::new(wheel, Side::Opposing)]
     }
 
-    /// Displacements of the contact nodes of rail and wheel (`3·node + axis`), all zero, m.
-    pub(super) fn at_rest(&self) -> [Vec<f64>; 2] {
-        [&self.rail_surface, &self.wheel_surface].map(|surface| vec![0.0; 3 * surface.grid.nodes.len()])
-    }
-
     /// Contact points with the hub displaced by `hub` from just touching.
     pub fn points_at(&self, hub: &Vector2<f64>, largest_gap: f64) -> Vec<ContactPoint> {
         pair(&self.rail_surface, &self.wheel_surface.moved(hub), PairingLimits { largest_gap })
@@ -237,28 +232,32 @@ impl Pressed {
         }
     }
 
-    /// Displacements of the contact nodes of rail and wheel, m. Those of half-spaces are left out: pressure only widens the gap, so that points
-    /// sought without it are more than needed.
-    pub(super) fn displacement(&self, placed: &WheelOnRail) -> &[Vec<f64>; 2] {
-        self.displacement.get_or_init(|| {
-            let of = |body: &Mat<f64>, side| times(body, &self.body_forces(side, body.nrows()));
-            match placed.bodies {
-                Bodies::Condensed { rail, wheel } => [of(rail, Side::Base), of(wheel, Side::Opposing)],
-                Bodies::HalfSpaces => placed.at_rest(),
-            }
-        })
+    /// Displacement in a direction of the wheel's surface against the rail's at a point of the contact grid, m. That of half-spaces is left out: pressure only widens the
+    /// gap, so that points sought without it are more than needed.
+    pub(super) fn opening(&self, placed: &WheelOnRail, point: &ContactPoint, direction: usize) -> f64 {
+        let Bodies::Condensed { rail, wheel } = placed.bodies else { return 0.0 };
+        let [of_rail, of_wheel] = self.motions.get_or_init(|| {
+            let of = |body: &Mat<f64>, side, surface: &Surface| {
+                NodalMotion::new(self.body_forces(side, body.nrows()), surface.grid.along_track.len())
+            };
+            [of(rail, Side::Base, &placed.rail_surface), of(wheel, Side::Opposing, &placed.wheel_surface)]
+        });
+        of_wheel.at(wheel, point, Side::Opposing, direction) - of_rail.at(rail, point, Side::Base, direction)
     }
 
     /// Gaps at `points` of the rail's contact nodes, m, with the elastic displacements of this state.
     pub(super) fn gaps_at(&self, bodies: &WheelOnRail, points: &[ContactPoint]) -> Vec<f64> {
-        let [rail, wheel] = self.displacement(bodies);
-        points
-            .iter()
-            .map(|point| {
-                point.gap + point.displacement(Side::Opposing, 0, wheel)
-                    - point.displacement(Side::Base, 0, rail)
-            })
-            .collect()
+        points.iter().map(|point| point.gap + self.opening(bodies, point, 0)).collect()
+    }
+
+    /// How far the hub would be pressed along its direction under another `load`, N, m: a power of the load, with the slope that the linearised contact has here.
+    pub(super) fn way_under(&self, load: f64, along: &Vector2<f64>) -> f64 {
+        /// Of the approach between Hertz' exponent and that of a linear spring, where the contact has no slope.
+        const BETWEEN: f64 = 0.75;
+        let way = self.hub.dot(along);
+        let slope = self.response.as_ref().map(|response| self.load / (way * response.stiffness[(0, 0)]));
+        let exponent = slope.filter(|slope| (0.5..=1.0).contains(slope)).unwrap_or(BETWEEN);
+        way * (load / self.load).powf(exponent)
     }
 
     /// Resultant of the contact forces on the wheel in world axes, N.

@@ -265,7 +265,7 @@ impl Settled<'_> {
         }
         let mut wanted: BTreeMap<usize, (usize, usize)> = BTreeMap::new();
         for (s, first, last, reach) in lines {
-            let columns = lattice.lines_within(1, (first - reach.y).max(behind), (last + reach.y).min(ahead));
+            let columns = lattice.columns_within((first - reach.y).max(behind), (last + reach.y).min(ahead));
             for line in lattice.lines_within(0, (s - reach.x).max(low), (s + reach.x).min(high)) {
                 let ends = wanted.entry(line).or_insert((columns.start, columns.end));
                 *ends = (ends.0.min(columns.start), ends.1.max(columns.end));

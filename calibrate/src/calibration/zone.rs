@@ -186,11 +186,7 @@ impl<'s> Placed<'s> {
     /// Normal gaps of nodes with the displacements, m.
     pub fn gaps(&self, points: &[ContactPoint]) -> Vec<f64> {
         let [rail, wheel] = &self.rest;
-        let gap = |point: &ContactPoint| {
-            let beyond = point.displacement(Side::Opposing, 0, wheel);
-            point.gap + beyond - point.displacement(Side::Base, 0, rail)
-        };
-        points.iter().map(gap).collect()
+        points.iter().map(|point| point.gap + point.opening(0, [rail, wheel])).collect()
     }
 }
 

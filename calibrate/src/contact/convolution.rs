@@ -7,6 +7,8 @@ use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use rustfft::{Fft, FftPlanner};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
+mod mirrored;
+
 /// The kernels of a grid over a rectangle of its lines, in twice the rectangle so that it does not repeat itself.
 pub(super) struct Convolution {
     /// Means between the hats of the grid, by their offset; it reaches over the rectangle.
@@ -21,6 +23,8 @@ pub(super) struct Convolution {
     /// The inverse and the across kernel as of a grid that repeats itself, made when they are wanted: where the others have no values, halfway round, these go
     /// on, so that they are positive.
     repeated: OnceLock<[Vec<f64>; 2]>,
+    /// Plans for mirror images, made when they are wanted.
+    mirrored: OnceLock<mirrored::Plans>,
 }
 
 /// A transform, by the frequency along the track and then that along the profile.
@@ -33,6 +37,54 @@ struct Spectra {
     across: Vec<f64>,
     shear: Vec<f64>,
     gradient: [Vec<f64>; 2],
+}
+
+/// The transform of a kernel: the sum of real ones with their factors, times i where it is imaginary.
+struct Kernel<'a> {
+    terms: [(f64, &'a [f64]); 2],
+    is_imaginary: bool,
+}
+
+impl Spectra {
+    /// What forces in the direction `from` move in the direction `to`.
+    fn of(&self, factors: &Factors, (to, from): (usize, usize)) -> Kernel<'_> {
+        let Factors { inverse, tangential, coupling } = *factors;
+        let Self { inverse: kernel, across, shear, gradient } = self;
+        let real = |terms| Kernel { terms, is_imaginary: false };
+        match (to, from) {
+            (0, 0) => real([(inverse, kernel), (0.0, kernel)]),
+            (1, 1) => real([(inverse, kernel), (tangential, across)]),
+            (2, 2) => real([(inverse + tangential, kernel), (-tangential, across)]),
+            (1, 2) | (2, 1) => real([(tangential, shear), (0.0, shear)]),
+            (0, other) | (other, _) => {
+                let factor = if to == 0 { -coupling } else { coupling };
+                let gradient = &gradient[other - 1];
+                Kernel { terms: [(factor, gradient), (0.0, gradient)], is_imaginary: true }
+            }
+        }
+    }
+}
+
+impl Kernel<'_> {
+    /// Times i so many times.
+    fn turned(self, times: u32) -> Self {
+        let turns = times + u32::from(self.is_imaginary);
+        let sign = if turns % 4 < 2 { 1.0 } else { -1.0 };
+        let terms = self.terms.map(|(factor, kernel)| (sign * factor, kernel));
+        Self { terms, is_imaginary: turns % 2 == 1 }
+    }
+
+    /// Adds the product with part of a `spectrum`, for which the kernel begins at `first`.
+    fn add(&self, first: usize, spectrum: &[Complex<f64>], sum: &mut [Complex<f64>]) {
+        let [(a, one), (b, other)] = self.terms.map(|(factor, kernel)| (factor, &kernel[first..]));
+        let kernel = one.iter().zip(other).map(|(one, other)| a * one + b * other);
+        let all = sum.iter_mut().zip(spectrum).zip(kernel);
+        if self.is_imaginary {
+            all.for_each(|((sum, s), k)| *sum += Complex::new(-s.im * k, s.re * k));
+        } else {
+            all.for_each(|((sum, s), k)| *sum += s * k);
+        }
+    }
 }
 
 /// Convolutions that were made, those used last at the end, at most so many.
@@ -76,6 +128,7 @@ impl Convolution {
             columns_back: complex.plan_fft_inverse(padded.0),
             spectra: Spectra { inverse: none(), across: none(), shear: none(), gradient: [none(), none()] },
             repeated: OnceLock::new(),
+            mirrored: OnceLock::new(),
         };
         made.spectra = Spectra {
             inverse: made.kernel(|means| means.inverse).iter().map(|z| z.re).collect(),
@@ -136,31 +189,17 @@ impl Convolution {
         spectrum: &[Complex<f64>],
         sum: &mut [Complex<f64>],
     ) {
-        let Factors { inverse, tangential, coupling } = *factors;
-        let Spectra { inverse: kernel, across, shear, gradient } = &self.spectra;
-        let all = sum.iter_mut().zip(spectrum);
-        match (to, from) {
-            (0, 0) => all.zip(kernel).for_each(|((sum, s), k)| *sum += s * (inverse * k)),
-            (1, 1) => {
-                let kernels = kernel.iter().zip(across).map(|(k, a)| inverse * k + tangential * a);
-                all.zip(kernels).for_each(|((sum, s), k)| *sum += s * k);
-            }
-            (2, 2) => {
-                let kernels = kernel.iter().zip(across).map(|(k, a)| inverse * k + tangential * (k - a));
-                all.zip(kernels).for_each(|((sum, s), k)| *sum += s * k);
-            }
-            (1, 2) | (2, 1) => all.zip(shear).for_each(|((sum, s), k)| *sum += s * (tangential * k)),
-            (0, other) | (other, _) => {
-                let factor = if to == 0 { -coupling } else { coupling };
-                let kernels = gradient[other - 1].iter().map(|g| Complex::new(0.0, factor * g));
-                all.zip(kernels).for_each(|((sum, s), k)| *sum += s * k);
-            }
-        }
+        self.spectra.of(factors, (to, from)).add(0, spectrum, sum);
     }
 
     /// Divides the `spectrum` of displacements in a direction (as in [`Self::add`]) by the kernel of that direction on a grid that repeats itself: what is left is that of
     /// the forces there.
     pub fn divide(&self, factors: &Factors, direction: usize, spectrum: &mut [Complex<f64>]) {
+        spectrum.iter_mut().zip(self.inverse(factors, direction)).for_each(|(s, inverse)| *s *= inverse);
+    }
+
+    /// What the spectrum of displacements in a direction is multiplied by for that of forces on a grid that repeats itself, with the factor of both ways.
+    fn inverse(&self, factors: &Factors, direction: usize) -> impl Iterator<Item = f64> {
         /// Part of the largest value of a kernel that its smallest has at least; rounding may leave less.
         const LEAST: f64 = 1e-7;
         let [kernel, across] = self.repeated.get_or_init(|| {
@@ -171,17 +210,17 @@ impl Convolution {
             ]
         });
         let Factors { inverse, tangential, .. } = *factors;
-        let value = |(k, a): (&f64, &f64)| match direction {
+        let value = move |(k, a): (&f64, &f64)| match direction {
             0 => inverse * k,
             1 => inverse * k + tangential * a,
             _ => inverse * k + tangential * (k - a),
         };
-        let values = || kernel.iter().zip(across).map(value);
+        let values = move || kernel.iter().zip(across).map(value);
         let least = LEAST * values().fold(0.0, f64::max);
         // the kernel has the factor of both ways already, which stands below here
         let count = (self.padded.0 * self.padded.1) as f64;
         let both_ways = 1.0 / (count * count);
-        spectrum.iter_mut().zip(values()).for_each(|(s, value)| *s *= both_ways / value.max(least));
+        values().map(move |value| both_ways / value.max(least))
     }
 
     /// The values whose `spectrum` it is at `places`, in their order, within the first `lines` along the profile.

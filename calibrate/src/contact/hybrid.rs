@@ -2,11 +2,11 @@
 //! meshes.
 
 use super::near_field::NearField;
-use super::operator::ComplianceOperator;
+use super::operator::{ALONG, ComplianceOperator};
 use crate::superelement::add_times;
 use faer::Mat;
 use nalgebra::Vector2;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Share of a fine point in a coarse one.
 #[derive(Debug, Clone, Copy, Default)]
@@ -37,20 +37,75 @@ const MORE: usize = 2;
 /// turns them with the profile, so that the forces keep their resultant; with the normal one alone it cannot.
 pub struct Hybrid {
     near: NearField,
-    /// D between the coarse points in which there are shares, `direction·(number of these) + place among these`, m/N: with the normal
-    /// direction, or with all.
-    far: Arc<Mat<f64>>,
+    far: Arc<Far>,
     /// Directions of D that count: the first, with the lateral one, or all.
     far_directions: usize,
-    /// Numbers of these points among all coarse ones, and how many of those there are.
-    used: Arc<Vec<usize>>,
+    /// How many coarse points there are.
     coarse_points: usize,
     /// With the places among the coarse points in use.
     shares: Arc<Vec<Shares>>,
     diagonal: Vec<f64>,
-    /// Whether the far field is its own mirror image along the track.
-    mirrored: bool,
+    /// The mirror image of each coarse point, where the far field is its own mirror image along the track.
+    twins: Option<Arc<Vec<Option<usize>>>>,
 }
+
+/// A far field between the coarse points in which there are shares.
+struct Far {
+    /// D between them, `direction·(number of these) + place among these`, m/N: with the normal direction, or with all.
+    matrix: Mat<f64>,
+    /// Their numbers among all coarse points, ascending.
+    used: Vec<usize>,
+    /// That of half of the points, made when it is wanted; none where a mirror image is missing.
+    half: OnceLock<Option<Arc<Far>>>,
+}
+
+impl Far {
+    fn new(matrix: Mat<f64>, used: Vec<usize>) -> Self {
+        Self { matrix, used, half: OnceLock::new() }
+    }
+
+    /// Between the points in the middle and ahead of it, where a force is what a point carries together with its mirror image. It is the mean of both sides, which are
+    /// alike but for rounding. Points come line by line, so that those ahead follow their `twins`.
+    fn half(&self, twins: &[Option<usize>]) -> Option<Arc<Self>> {
+        let make = || {
+            let m = self.used.len();
+            let place = |point: usize| self.used.binary_search(&point).ok();
+            let ahead: Vec<(usize, usize)> = (0..m)
+                .filter_map(|at| Some((at, place(twins[self.used[at]]?)?)))
+                .filter(|(at, twin)| twin <= at)
+                .collect();
+            let n = ahead.len();
+            let directions = self.matrix.nrows().checked_div(m)?;
+            // rows of a point and of its mirror image, and the sign of what that has
+            let row = |row: usize| {
+                let (d, (ahead, behind)) = (row / n, ahead[row % n]);
+                (d * m + ahead, d * m + behind, if d == ALONG { -1.0 } else { 1.0 })
+            };
+            let rows: Vec<_> = (0..directions * n).map(row).collect();
+            let mut half = Mat::zeros(rows.len(), rows.len());
+            for (c, (ahead, behind, sign)) in rows.iter().enumerate() {
+                let [ahead, behind] = [*ahead, *behind].map(|column| self.matrix.col_as_slice(column));
+                let of = |row: usize| ahead[row] + sign * behind[row];
+                let values = half.col_as_slice_mut(c).iter_mut().zip(&rows);
+                // nothing in the middle moves along the track: the two cancel
+                values.for_each(|(value, (ahead, behind, sign))| {
+                    *value = 0.25 * (of(*ahead) + sign * of(*behind));
+                });
+            }
+            Some(Arc::new(Self::new(half, ahead.iter().map(|(at, _)| self.used[*at]).collect())))
+        };
+        self.half.get_or_init(make).clone()
+    }
+
+    /// Between some of the points, by their places among them, in its first `directions`.
+    fn part(&self, places: &[usize], directions: usize) -> Self {
+        let used = places.iter().map(|&place| self.used[place]).collect();
+        Self::new(between(&self.matrix, self.used.len(), places, directions), used)
+    }
+}
+
+/// ROUNDOFF: a share of a point in the middle in what lies behind it.
+const NO_SHARE: f64 = 1e-9;
 
 impl Hybrid {
     /// The `far` field has the directions of the half-spaces. What was `known` of it serves again where that has all points that are needed,
@@ -60,33 +115,33 @@ impl Hybrid {
         let coarse_points = far.nrows() / directions;
         let there = used_in(&shares, coarse_points);
         let serves = |known: &&Self| {
-            let all = || there.iter().all(|point| known.used.binary_search(point).is_ok());
-            known.far_directions == directions && known.used.len() <= MORE * there.len() && all()
+            let used = &known.far.used;
+            let all = || there.iter().all(|point| used.binary_search(point).is_ok());
+            known.far_directions == directions && used.len() <= MORE * there.len() && all()
         };
-        let (far, used) = match known.filter(serves) {
-            Some(known) => (known.far.clone(), known.used.clone()),
-            None => (Arc::new(between(far, coarse_points, &there, directions)), Arc::new(there)),
+        let far = match known.filter(serves) {
+            Some(known) => known.far.clone(),
+            None => Arc::new(Far::new(between(far, coarse_points, &there, directions), there)),
         };
-        number(&mut shares, &used, coarse_points);
+        number(&mut shares, &far.used, coarse_points);
         let mut hybrid = Self {
             near,
             far,
             far_directions: directions,
-            used,
             coarse_points,
             shares: Arc::new(shares),
             diagonal: Vec::new(),
-            mirrored: false,
+            twins: None,
         };
         hybrid.diagonal =
             (0..hybrid.rows()).map(|row| hybrid.near.value(row, row) + hybrid.far_diagonal(row)).collect();
         hybrid
     }
 
-    /// The same, which says whether its far field is its own mirror image along the track.
+    /// The same with a far field that is its own mirror image along the track, where there are the mirror images of its points.
     #[must_use]
-    pub fn mirrored(mut self, is_mirrored: bool) -> Self {
-        self.mirrored = is_mirrored;
+    pub fn mirrored(mut self, twins: Option<Arc<Vec<Option<usize>>>>) -> Self {
+        self.twins = twins;
         self
     }
 
@@ -114,20 +169,47 @@ impl Hybrid {
     fn part(&self, points: &[usize]) -> Self {
         let (n, directions) = (self.points(), self.directions());
         let mut shares: Vec<Shares> = points.iter().map(|&j| self.shares[j]).collect();
-        let used = used_in(&shares, self.used.len());
-        number(&mut shares, &used, self.used.len());
+        let used = used_in(&shares, self.far.used.len());
+        number(&mut shares, &used, self.far.used.len());
         Self {
             near: self.near.between(points),
-            far: Arc::new(between(&self.far, self.used.len(), &used, self.far_directions)),
+            far: Arc::new(self.far.part(&used, self.far_directions)),
             far_directions: self.far_directions,
-            used: Arc::new(used.iter().map(|&place| self.used[place]).collect()),
             coarse_points: self.coarse_points,
             shares: Arc::new(shares),
             diagonal: (0..directions)
                 .flat_map(|d| points.iter().map(move |&j| self.diagonal[d * n + j]))
                 .collect(),
-            mirrored: false,
+            twins: None,
         }
+    }
+
+    /// The compliance between the points `ahead` and in the middle, each with its mirror image.
+    fn half_of(&self, ahead: &[usize]) -> Option<Self> {
+        let twins = self.twins.as_ref()?;
+        let near = self.near.half(ahead)?;
+        let far = self.far.half(twins)?;
+        let mut shares: Vec<Shares> = ahead.iter().map(|&j| self.shares[j]).collect();
+        for share in shares.iter_mut().flatten() {
+            let point = self.far.used[share.point];
+            share.point = match far.used.binary_search(&point) {
+                Ok(place) => place,
+                Err(_) if share.weight.abs() < NO_SHARE => 0,
+                Err(_) => return None,
+            };
+        }
+        let mut half = Self {
+            near,
+            far,
+            far_directions: self.far_directions,
+            coarse_points: self.coarse_points,
+            shares: Arc::new(shares),
+            diagonal: Vec::new(),
+            twins: None,
+        };
+        half.diagonal =
+            (0..half.rows()).map(|row| half.near.value(row, row) + half.far_diagonal(row)).collect();
+        Some(half)
     }
 
     /// Fine forces carried to all coarse points.
@@ -141,13 +223,13 @@ impl Hybrid {
 
     /// Row of all coarse points of one of those in use.
     fn whole_row(&self, row: usize) -> usize {
-        let m = self.used.len();
-        row / m * self.coarse_points + self.used[row % m]
+        let m = self.far.used.len();
+        row / m * self.coarse_points + self.far.used[row % m]
     }
 
     /// Fine forces carried to the coarse points in use.
     fn carried_to_used(&self, forces: &[f64]) -> Vec<f64> {
-        let (n, m) = (self.points(), self.used.len());
+        let (n, m) = (self.points(), self.far.used.len());
         let (three, turns) = (self.directions() == 3, self.turns());
         let mut coarse = vec![0.0; self.far_directions * m];
         for (j, shares) in self.shares.iter().enumerate() {
@@ -174,7 +256,7 @@ impl Hybrid {
     /// Rows of the far field with the weights of a row of the fine grid.
     fn coarse(&self, row: usize) -> impl Iterator<Item = (usize, f64)> {
         let n = self.shares.len();
-        let (direction, points) = (row / n, self.used.len());
+        let (direction, points) = (row / n, self.far.used.len());
         let turns = self.turns() && direction < 2;
         let mut found = [(0, 0.0); 8];
         for (k, Share { point, weight, turn }) in self.shares[row % n].iter().enumerate() {
@@ -199,7 +281,7 @@ impl Hybrid {
         let weights = &found[..count];
         let mut sum = 0.0;
         for (n, &(c, weight)) in weights.iter().enumerate() {
-            let column = self.far.col_as_slice(c);
+            let column = self.far.matrix.col_as_slice(c);
             let before: f64 = weights[..n].iter().map(|&(r, other)| other * column[r]).sum();
             sum += weight * (2.0 * before + weight * column[c]);
         }
@@ -211,22 +293,22 @@ impl Hybrid {
         let m = forces.len();
         let mut motion = vec![0.0; m];
         // with the directions that count
-        add_times(self.far.submatrix(0, 0, m, m), forces, &mut motion);
+        add_times(self.far.matrix.submatrix(0, 0, m, m), forces, &mut motion);
         motion
     }
 
     /// Adds what the points move by with the coarse ones, by direction and point; `of` is asked for those in use, by direction
     /// and number.
     pub fn interpolate(&self, of: impl Fn(usize, usize) -> f64, motion: &mut [f64]) {
-        let m = self.used.len();
-        let of_used: Vec<f64> =
-            (0..self.far_directions * m).map(|row| of(row / m, self.used[row % m])).collect();
+        let used = &self.far.used;
+        let m = used.len();
+        let of_used: Vec<f64> = (0..self.far_directions * m).map(|row| of(row / m, used[row % m])).collect();
         self.interpolate_used(&of_used, motion);
     }
 
     /// The same with the coarse points in use.
     fn interpolate_used(&self, coarse: &[f64], motion: &mut [f64]) {
-        let (n, m) = (self.points(), self.used.len());
+        let (n, m) = (self.points(), self.far.used.len());
         let (three, turns) = (self.directions() == 3, self.turns());
         for (j, shares) in self.shares.iter().enumerate() {
             for Share { point, weight, turn } in shares {
@@ -244,13 +326,13 @@ impl Hybrid {
         }
     }
 
-    /// P·D: what the far field does to `rows`, by the rows of the far field in which `columns` have shares.
-    fn spread(&self, rows: &[usize], columns: &[usize]) -> Vec<Option<Vec<f64>>> {
+    /// P·D: what the far field does to `rows`, by the rows of the far field in which they have shares.
+    fn spread(&self, rows: &[usize]) -> Vec<Option<Vec<f64>>> {
         let shares: Vec<Vec<(usize, f64)>> = rows.iter().map(|&row| self.coarse(row).collect()).collect();
-        let mut spread = vec![None; self.far_directions * self.used.len()];
-        for (k, _) in columns.iter().flat_map(|&column| self.coarse(column)) {
+        let mut spread = vec![None; self.far_directions * self.far.used.len()];
+        for (k, _) in rows.iter().flat_map(|&row| self.coarse(row)) {
             spread[k].get_or_insert_with(|| {
-                let far = self.far.col_as_slice(k);
+                let far = self.far.matrix.col_as_slice(k);
                 shares.iter().map(|share| share.iter().map(|&(l, weight)| weight * far[l]).sum()).collect()
             });
         }
@@ -305,11 +387,10 @@ impl ComplianceOperator for Hybrid {
             far: self.far.clone(),
             // the normal forces have shares in the lateral direction of the coarse points
             far_directions: self.far_directions.min(2),
-            used: self.used.clone(),
             coarse_points: self.coarse_points,
             shares: self.shares.clone(),
             diagonal: self.diagonal[..self.points()].to_vec(),
-            mirrored: false,
+            twins: self.twins.clone(),
         }))
     }
 
@@ -317,23 +398,8 @@ impl ComplianceOperator for Hybrid {
         self.near.nearly_inverse(direction, motion)
     }
 
-    fn is_mirrored(&self) -> bool {
-        self.mirrored
-    }
-
-    fn between(&self, rows: &[usize], columns: &[usize]) -> Mat<f64> {
-        let values = self.near.values(&[rows, columns].concat());
-        let spread = self.spread(rows, columns);
-        let mut block = Mat::zeros(rows.len(), columns.len());
-        for (c, &column) in columns.iter().enumerate() {
-            let to = block.col_as_slice_mut(c);
-            for (k, weight) in self.coarse(column) {
-                let spread = spread[k].iter().flatten();
-                to.iter_mut().zip(spread).for_each(|(value, far)| *value += weight * far);
-            }
-            to.iter_mut().enumerate().for_each(|(r, value)| *value += values.at(r, rows.len() + c));
-        }
-        block
+    fn half(&self, ahead: &[usize]) -> Option<Box<dyn ComplianceOperator + '_>> {
+        Some(Box::new(self.half_of(ahead)?))
     }
 
     fn diagonal(&self, row: usize) -> f64 {
@@ -347,7 +413,7 @@ impl ComplianceOperator for Hybrid {
 
     fn add_column(&self, row: usize, force: f64, motion: &mut [f64]) {
         self.near.add_column(row, force, motion);
-        let mut coarse = vec![0.0; self.far_directions * self.used.len()];
+        let mut coarse = vec![0.0; self.far_directions * self.far.used.len()];
         self.coarse(row).for_each(|(c, weight)| coarse[c] += weight * force);
         self.interpolate_used(&self.far_motion(&coarse), motion);
     }
@@ -355,7 +421,7 @@ impl ComplianceOperator for Hybrid {
     fn block(&self, rows: &[usize]) -> Mat<f64> {
         let m = rows.len();
         let values = self.near.values(rows);
-        let spread = self.spread(rows, rows);
+        let spread = self.spread(rows);
         let mut block = Mat::zeros(m, m);
         for c in 0..m {
             let column = &mut block.col_as_slice_mut(c)[c..];

@@ -45,6 +45,15 @@ impl Lattice {
         line(from)..line(to)
     }
 
+    /// The lines across the track from one place to another along it, m, with both ends but for rounding: those before the middle are those behind it.
+    pub fn columns_within(&self, from: f64, to: f64) -> std::ops::Range<usize> {
+        /// ROUNDOFF: how near a place on a line is to it, in lines.
+        const ON_LINE: f64 = 1e-6;
+        let [first, last] = [from, to].map(|at| self.coordinate(1, at));
+        let end = (last + ON_LINE).floor() + 1.0;
+        (first - ON_LINE).ceil().max(0.0) as usize..end.max(0.0) as usize
+    }
+
     /// The points at `nodes` (in ascending order) between two smooth surfaces; their gaps are means over the hats. Nodes that
     /// the opposing surface does not face are left out. Across the profile the mean is by Gauss points between jumps of
     /// curvature; along the track, where both surfaces are smooth, by `(1, 10, 1)/12` of the values on the lines, which is exact

@@ -2,7 +2,7 @@
 
 use super::convolution::{Convolution, Spectrum};
 use super::half_space::{Factors, HalfSpace, sum_of_factors};
-use super::operator::ComplianceOperator;
+use super::operator::{ALONG, ComplianceOperator};
 use super::point::ContactPoint;
 use faer::Mat;
 use nalgebra::Vector2;
@@ -14,11 +14,13 @@ pub struct NearField {
     directions: usize,
     /// Corner of the grid's rectangle that holds all points.
     corner: (usize, usize),
-    /// Place of every point from that corner.
+    /// Place of every point from that corner; of half of a mirror image, from its middle line.
     places: Vec<(usize, usize)>,
-    /// Lines of the rectangle along the profile and the track.
+    /// Lines of the rectangle along the profile and the track, with the mirror image.
     extent: (usize, usize),
     convolution: Arc<Convolution>,
+    /// Whether each point stands for its mirror image along the track, too: a force is then what both carry together.
+    is_half: bool,
 }
 
 impl NearField {
@@ -36,17 +38,59 @@ impl NearField {
         directions: usize,
     ) -> Self {
         let places = points.iter().map(|point| point.index).collect();
-        Self::at(cell, sum_of_factors(bodies), places, directions)
+        Self::at(cell, sum_of_factors(bodies), places, directions, false)
     }
 
-    fn at(cell: Vector2<f64>, factors: Factors, mut places: Vec<(usize, usize)>, directions: usize) -> Self {
+    /// That of points at `places` of the grid; of half of a mirror image, from its middle line.
+    fn at(
+        cell: Vector2<f64>,
+        factors: Factors,
+        mut places: Vec<(usize, usize)>,
+        directions: usize,
+        is_half: bool,
+    ) -> Self {
         let low = |pick: fn(&(usize, usize)) -> usize| places.iter().map(pick).min().unwrap_or(0);
-        let corner = (low(|place| place.0), low(|place| place.1));
+        let corner = (low(|place| place.0), if is_half { 0 } else { low(|place| place.1) });
         places.iter_mut().for_each(|place| *place = (place.0 - corner.0, place.1 - corner.1));
         let lines =
             |pick: fn(&(usize, usize)) -> usize| places.iter().map(pick).max().map_or(0, |last| last + 1);
-        let extent = (lines(|place| place.0), lines(|place| place.1));
-        Self { factors, directions, corner, places, extent, convolution: Convolution::shared(cell, extent) }
+        let columns = lines(|place| place.1);
+        let extent =
+            (lines(|place| place.0), if is_half { (2 * columns).saturating_sub(1) } else { columns });
+        let convolution = Convolution::shared(cell, extent);
+        Self { factors, directions, corner, places, extent, convolution, is_half }
+    }
+
+    /// The half-spaces between the `points` on the middle line and ahead of it, each for its mirror image as well; a point in the middle does not move
+    /// along the track. None where there is no middle line.
+    pub(super) fn half(&self, points: &[usize]) -> Option<Self> {
+        let middle = (self.extent.1 % 2 == 1).then_some(self.extent.1 / 2)?;
+        let place = |j: &usize| Some((self.places[*j].0, self.places[*j].1.checked_sub(middle)?));
+        let places = points.iter().map(place).collect::<Option<_>>()?;
+        Some(Self::at(self.cell(), self.factors, places, self.directions, true))
+    }
+
+    /// Whether a row is that of a point in the middle of a mirror image along the track.
+    pub(super) fn rests(&self, row: usize) -> bool {
+        self.is_half && row / self.places.len() == ALONG && self.places[row % self.places.len()].1 == 0
+    }
+
+    fn transform(&self, direction: usize, values: impl Iterator<Item = ((usize, usize), f64)>) -> Spectrum {
+        if self.is_half {
+            self.convolution.transform_mirrored(direction, values)
+        } else {
+            self.convolution.transform(values)
+        }
+    }
+
+    /// The values in a direction at the points whose `spectrum` it is, by their number.
+    fn back(&self, direction: usize, spectrum: Spectrum, each: impl FnMut(usize, f64)) {
+        let (lines, places) = (self.extent.0, &self.places);
+        if self.is_half {
+            self.convolution.back_mirrored(direction, spectrum, lines, places, each);
+        } else {
+            self.convolution.back(spectrum, lines, places, each);
+        }
     }
 
     fn cell(&self) -> Vector2<f64> {
@@ -56,7 +100,7 @@ impl NearField {
     /// The half-spaces between some of the points, by their places in the list.
     pub fn between(&self, points: &[usize]) -> Self {
         let places = points.iter().map(|&j| self.places[j]).collect();
-        let mut between = Self::at(self.cell(), self.factors, places, self.directions);
+        let mut between = Self::at(self.cell(), self.factors, places, self.directions, self.is_half);
         between.corner = (between.corner.0 + self.corner.0, between.corner.1 + self.corner.1);
         between
     }
@@ -76,7 +120,7 @@ impl NearField {
         let corner = self.corner;
         let grid = |place: (usize, usize)| (place.0 + corner.0, place.1 + corner.1);
         let places = carrying.iter().map(|&j| grid(self.places[j])).chain(wanted.iter().copied()).collect();
-        let both = Self::at(self.cell(), self.factors, places, self.directions);
+        let both = Self::at(self.cell(), self.factors, places, self.directions, false);
         let all = n + m;
         let mut forces = vec![0.0; self.directions * all];
         for row in 0..self.directions * n {
@@ -89,9 +133,9 @@ impl NearField {
 
     /// The half-spaces in the normal direction alone.
     pub fn in_normal_direction(&self) -> Self {
-        let Self { factors, corner, ref places, extent, ref convolution, .. } = *self;
+        let Self { factors, corner, ref places, extent, ref convolution, is_half, .. } = *self;
         let (places, convolution) = (places.clone(), convolution.clone());
-        Self { factors, directions: 1, corner, places, extent, convolution }
+        Self { factors, directions: 1, corner, places, extent, convolution, is_half }
     }
 
     /// Compliance of `bodies` under `forces` on the points: fᵀ·N·f, m·N.
@@ -100,7 +144,7 @@ impl NearField {
         let loaded: Vec<usize> =
             (0..n).filter(|&j| (0..self.directions).any(|d| forces[d * n + j] != 0.0)).collect();
         let places = loaded.iter().map(|&j| self.places[j]).collect();
-        let near = Self::at(self.cell(), sum_of_factors(bodies), places, self.directions);
+        let near = Self::at(self.cell(), sum_of_factors(bodies), places, self.directions, false);
         let forces: Vec<f64> =
             (0..self.directions).flat_map(|d| loaded.iter().map(move |&j| forces[d * n + j])).collect();
         let mut motion = vec![0.0; forces.len()];
@@ -121,8 +165,16 @@ impl NearField {
             return 0.0;
         }
         let (a, b) = (self.places[row % n], self.places[column % n]);
-        let offset = (a.0 as isize - b.0 as isize, a.1 as isize - b.1 as isize);
-        self.factors.entry(&self.convolution.table.at(offset), to, from)
+        let at = |along: isize| {
+            self.factors.entry(&self.convolution.table.at((a.0 as isize - b.0 as isize, along)), to, from)
+        };
+        let (ahead, beside) = (a.1 as isize, b.1 as isize);
+        let value = at(ahead - beside);
+        if !self.is_half || beside == 0 {
+            return if (self.rests(row) || self.rests(column)) && row != column { 0.0 } else { value };
+        }
+        let twin = at(ahead + beside);
+        0.5 * if from == ALONG { value - twin } else { value + twin }
     }
 
     /// The values between `rows`, for many of them.
@@ -130,10 +182,15 @@ impl NearField {
         let (n, d) = (self.places.len(), self.directions);
         let (lines, columns) = self.extent;
         let width = (2 * columns).saturating_sub(1);
-        let placed = |&row: &usize| (row / n, self.places[row % n].0 * width + self.places[row % n].1);
-        let rows: Vec<(usize, usize)> = rows.iter().map(placed).collect();
+        let placed = |&row: &usize| Placed {
+            direction: row / n,
+            line: self.places[row % n].0 * width,
+            column: self.places[row % n].1,
+            rests: self.rests(row),
+        };
+        let rows: Vec<Placed> = rows.iter().map(placed).collect();
         let mut there = vec![false; d];
-        rows.iter().for_each(|row| there[row.0] = true);
+        rows.iter().for_each(|row| there[row.direction] = true);
         let offset = |t: usize| {
             let (i, k) = (t / width, t % width);
             (i as isize - (lines as isize - 1), k as isize - (columns as isize - 1))
@@ -150,25 +207,43 @@ impl NearField {
             directions: d,
             middle: lines.saturating_sub(1) * width + columns.saturating_sub(1),
             tables,
+            is_half: self.is_half,
         }
     }
 }
 
 /// Values of the matrix between some of its rows: a table over the signed offsets for each pair of directions.
 pub struct Values {
-    /// Direction and place of every row.
-    rows: Vec<(usize, usize)>,
+    rows: Vec<Placed>,
     directions: usize,
     /// Place of the offset zero.
     middle: usize,
     tables: Vec<Option<Vec<f64>>>,
+    /// Whether the points stand for their mirror images, too.
+    is_half: bool,
+}
+
+/// Place of a row in the tables.
+#[derive(Clone, Copy)]
+struct Placed {
+    direction: usize,
+    /// Of the first column of the line along the profile.
+    line: usize,
+    column: usize,
+    rests: bool,
 }
 
 impl Values {
     /// The value between two rows, by their places in the list.
     pub fn at(&self, row: usize, column: usize) -> f64 {
-        let ((to, a), (from, b)) = (self.rows[row], self.rows[column]);
-        self.tables[to * self.directions + from].as_ref().map_or(0.0, |table| table[self.middle + a - b])
+        let (to, from) = (self.rows[row], self.rows[column]);
+        let Some(table) = &self.tables[to.direction * self.directions + from.direction] else { return 0.0 };
+        let line = self.middle + to.line - from.line + to.column;
+        if !self.is_half || from.column == 0 {
+            return if (to.rests || from.rests) && row != column { 0.0 } else { table[line - from.column] };
+        }
+        let (value, twin) = (table[line - from.column], table[line + from.column]);
+        0.5 * if from.direction == ALONG { value - twin } else { value + twin }
     }
 }
 
@@ -187,11 +262,16 @@ impl ComplianceOperator for NearField {
 
     fn nearly_inverse(&self, direction: usize, motion: &[f64]) -> Option<Vec<f64>> {
         // just these if the grid were endless, and the points beyond moved by nothing
-        let moved = self.places.iter().copied().zip(motion.iter().copied());
-        let mut spectrum = self.convolution.transform(moved);
-        self.convolution.divide(&self.factors, direction, &mut spectrum);
+        let weight = |place: &(usize, usize)| if self.is_half && place.1 > 0 { 2.0 } else { 1.0 };
+        let moved = self.places.iter().map(|place| (*place, weight(place)));
+        let mut spectrum = self.transform(direction, moved.zip(motion).map(|((p, w), m)| (p, w * m)));
+        if self.is_half {
+            self.convolution.divide_mirrored(&self.factors, direction, &mut spectrum);
+        } else {
+            self.convolution.divide(&self.factors, direction, &mut spectrum);
+        }
         let mut forces = vec![0.0; motion.len()];
-        self.convolution.back(spectrum, self.extent.0, &self.places, |j, force| forces[j] = force);
+        self.back(direction, spectrum, |j, force| forces[j] = weight(&self.places[j]) * force);
         Some(forces)
     }
 
@@ -208,21 +288,14 @@ impl ComplianceOperator for NearField {
         Mat::from_fn(rows.len(), rows.len(), |r, c| values.at(r, c))
     }
 
-    fn between(&self, rows: &[usize], columns: &[usize]) -> Mat<f64> {
-        let values = self.values(&[rows, columns].concat());
-        Mat::from_fn(rows.len(), columns.len(), |r, c| values.at(r, rows.len() + c))
-    }
-
     fn add_product(&self, forces: &[f64], motion: &mut [f64]) {
         let n = self.places.len();
         let d = self.directions;
         let spectra: Vec<Option<Spectrum>> = (0..d)
             .map(|from| {
                 let part = &forces[from * n..(from + 1) * n];
-                part.iter().any(|force| *force != 0.0).then(|| {
-                    let loads = self.places.iter().copied().zip(part.iter().copied());
-                    self.convolution.transform(loads)
-                })
+                let loads = self.places.iter().copied().zip(part.iter().copied());
+                part.iter().any(|force| *force != 0.0).then(|| self.transform(from, loads))
             })
             .collect();
         for to in 0..d {
@@ -232,12 +305,20 @@ impl ComplianceOperator for NearField {
             if acting.is_empty() {
                 continue;
             }
-            let mut sum = self.convolution.zero();
+            let convolution = &self.convolution;
+            let (mut sum, add): (_, fn(&Convolution, &_, _, &_, &mut _)) = if self.is_half {
+                (convolution.zero_mirrored(), Convolution::add_mirrored)
+            } else {
+                (convolution.zero(), Convolution::add)
+            };
             for (from, spectrum) in acting {
-                self.convolution.add(&self.factors, (to, from), spectrum, &mut sum);
+                add(convolution, &self.factors, (to, from), spectrum, &mut sum);
             }
             let rows = &mut motion[to * n..(to + 1) * n];
-            self.convolution.back(sum, self.extent.0, &self.places, |j, value| rows[j] += value);
+            self.back(to, sum, |j, value| rows[j] += value);
+        }
+        for row in (0..motion.len()).filter(|row| self.rests(*row)) {
+            motion[row] += self.value(row, row) * forces[row];
         }
     }
 }

@@ -2,6 +2,9 @@
 
 use faer::Mat;
 
+/// The direction along the track, in which mirror images along it have opposite values.
+pub(super) const ALONG: usize = 2;
+
 /// A symmetric compliance, m/N, between the rows `direction·points + point` of a list of contact points. The solver
 /// multiplies with it, and has its values only where points carry load.
 pub trait ComplianceOperator: Send + Sync {
@@ -20,12 +23,11 @@ pub trait ComplianceOperator: Send + Sync {
     /// The matrix between `rows`.
     fn block(&self, rows: &[usize]) -> Mat<f64>;
 
-    /// The matrix of `rows` and `columns`.
-    fn between(&self, rows: &[usize], columns: &[usize]) -> Mat<f64>;
-
-    /// Whether points that are mirror images of each other along the track have the same compliance.
-    fn is_mirrored(&self) -> bool {
-        false
+    /// The compliance between the points `ahead` and in the middle of a list that is its own mirror image along the track, each with its mirror image: a force is what both
+    /// carry together, and a displacement that of the point. What a point in the middle has along the track moves nothing but itself. None where the
+    /// compliance is not its own mirror image.
+    fn half(&self, _ahead: &[usize]) -> Option<Box<dyn ComplianceOperator + '_>> {
+        None
     }
 
     /// The compliance between some of the points alone (rows `direction·(number of these) + place in the list`), where its products
@@ -66,10 +68,6 @@ impl ComplianceOperator for Mat<f64> {
     }
 
     fn block(&self, rows: &[usize]) -> Mat<f64> {
-        self.between(rows, rows)
-    }
-
-    fn between(&self, rows: &[usize], columns: &[usize]) -> Mat<f64> {
-        Mat::from_fn(rows.len(), columns.len(), |r, c| self[(rows[r], columns[c])])
+        Mat::from_fn(rows.len(), rows.len(), |r, c| self[(rows[r], rows[c])])
     }
 }

@@ -82,6 +82,12 @@ impl ContactPoint {
         }
     }
 
+    /// Displacement in a direction of the opposing surface against the base, m, by those of the contact nodes of both (`3·node + axis`, m).
+    pub fn opening(&self, direction: usize, [base, opposing]: [&[f64]; 2]) -> f64 {
+        self.displacement(Side::Opposing, direction, opposing)
+            - self.displacement(Side::Base, direction, base)
+    }
+
     /// World direction: 0 normal (out of the base), 1 lateral tangent, 2 along the track.
     pub fn direction(&self, direction: usize) -> Vector3<f64> {
         let n = self.normal;

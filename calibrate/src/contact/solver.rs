@@ -62,6 +62,12 @@ const HELD: f64 = 1e-6;
 /// # Errors
 /// [`railspring_profiles::error::NumericsError`] as [`solve`].
 pub fn solve_held(problem: &Problem, start: &[f64]) -> Result<Vec<f64>> {
+    let Some(halves) = Halves::of(problem) else { return solve_whole_held(problem, start) };
+    let forces = solve_whole_held(&halves.problem(problem), &halves.carried(start))?;
+    Ok(halves.whole(&forces, true))
+}
+
+fn solve_whole_held(problem: &Problem, start: &[f64]) -> Result<Vec<f64>> {
     let mut state = State::new(problem, start);
     let steps = preconditioned(&mut state, HELD);
     let steps = steps.unwrap_or_else(|| conjugate_gradients(&mut state, HELD));
@@ -77,9 +83,8 @@ pub fn solve_held(problem: &Problem, start: &[f64]) -> Result<Vec<f64>> {
 /// As [`solve_with`], by Newton iterations that end as the `goal` says; by halves where the problem is its own mirror image.
 fn solve_within(problem: &Problem, start: &[f64], goal: Goal, factors: &mut Factors) -> Result<Solution> {
     let Some(halves) = Halves::of(problem) else { return solve_whole(problem, start, goal, factors) };
-    let compliance = halves.compliance(problem.compliance);
-    let half = Problem { points: &halves.points, compliance: &compliance, free: &halves.free, ..*problem };
-    solve_whole(&half, &halves.carried(start), goal, factors).map(|half| halves.solution(half))
+    solve_whole(&halves.problem(problem), &halves.carried(start), goal, factors)
+        .map(|half| halves.solution(half))
 }
 
 fn solve_whole(problem: &Problem, start: &[f64], goal: Goal, factors: &mut Factors) -> Result<Solution> {
@@ -236,8 +241,7 @@ pub fn response_to(
     let Some(halves) = mirrored else {
         return response_of_all(problem, solution, rates, sticking, factors);
     };
-    let compliance = halves.compliance(problem.compliance);
-    let half = Problem { points: &halves.points, compliance: &compliance, free: &halves.free, ..*problem };
+    let half = halves.problem(problem);
     let rates: Vec<Vec<f64>> = rates.iter().map(|rates| halves.half(rates)).collect();
     let forces = response_of_all(&half, &halves.half_of(solution), &rates, sticking, factors)?;
     let mut whole = Mat::zeros(problem.free.len(), rates.len());

@@ -310,7 +310,11 @@ impl<'m> StepContact<'m> {
             wheel_surface: placed.surfaces[1].clone(),
             half_spaces: self.half_spaces,
         };
-        let displaced = Displaced { rail: &placed.rest[0], wheel: &placed.rest[1], margin: CANDIDATE_MARGIN };
+        let opening = |point: &ContactPoint, direction| {
+            let [rail, wheel] = &placed.rest;
+            point.opening(direction, [rail, wheel])
+        };
+        let displaced = Displaced { opening: &opening, margin: CANDIDATE_MARGIN };
         let at = MadeAt { slide: placed.places.slide(), place: rail.flexibility.place().cloned() };
         // a far field is that of steps of one length
         let made = self.made.borrow().clone();
