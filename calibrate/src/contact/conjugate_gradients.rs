@@ -8,12 +8,9 @@
 
 use super::state::State;
 
-/// Steps at most.
-const LIMIT: usize = 2000;
-
 /// Normal forces and hub of a `state` with one direction a point and at most one free direction of the hub, until a step of each point
-/// alone changes no force by more than `tolerance` of the largest. Returns the number of steps; the separation is that of the start.
-pub(super) fn conjugate_gradients(state: &mut State, tolerance: f64) -> usize {
+/// alone changes no force by more than `tolerance` of the largest, `limit` steps at most. Returns the number of steps; the separation is that of the start.
+pub(super) fn conjugate_gradients(state: &mut State, tolerance: f64, limit: usize) -> usize {
     let n = state.problem.points.len();
     let wanted = state.problem.hub.first().map(|free| {
         let weights: Vec<f64> = (0..n).map(|row| state.hub_weight(row, &free.along)).collect();
@@ -31,7 +28,7 @@ pub(super) fn conjugate_gradients(state: &mut State, tolerance: f64) -> usize {
     let (mut before, mut restart) = (0.0, true);
     let mut count = 0;
     let mut hub = hub_for(&wanted, &forces, &gaps);
-    while count < LIMIT {
+    while count < limit {
         let residual: Vec<f64> = match &wanted {
             Some((weights, _)) => gaps.iter().zip(weights).map(|(gap, weight)| gap + weight * hub).collect(),
             None => gaps.clone(),

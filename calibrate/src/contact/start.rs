@@ -6,6 +6,7 @@
 //! residual of that decides.
 
 use super::conjugate_gradients::conjugate_gradients;
+use super::preconditioned::preconditioned;
 use super::state::{FreeDirection, Problem, State};
 
 /// How near to the solution, and by how much work.
@@ -15,16 +16,24 @@ pub(super) struct Effort {
     pub tolerance: f64,
     /// Rounds at most of the normal conditions and friction in turn.
     pub rounds: usize,
+    /// Steps at most with the inverse of the half-spaces.
+    pub with_inverse: usize,
+    /// Steps at most without it.
+    pub without: usize,
+    /// Whether the steps without it follow where those with it do not settle.
+    pub goes_on: bool,
     /// Products at most for the friction of a round.
     pub products: usize,
 }
 
 /// So near that the points that carry load, and those that slide, are the right ones but for a few. Where sliding bodies roll under
-/// friction more of it takes longer than the steps of Newton's iteration that it saves.
-pub(super) const NEAR: Effort = Effort { tolerance: 5e-4, rounds: 2, products: 20 };
+/// friction, or two regions share the load, more of it takes longer than the steps of Newton's iteration that it saves.
+pub(super) const NEAR: Effort =
+    Effort { tolerance: 5e-4, rounds: 2, with_inverse: 25, without: 200, goes_on: false, products: 20 };
 
 /// The solution.
-pub(super) const ALL_THE_WAY: Effort = Effort { tolerance: 5e-11, rounds: 60, products: 1000 };
+pub(super) const ALL_THE_WAY: Effort =
+    Effort { tolerance: 5e-11, rounds: 60, with_inverse: 200, without: 2000, goes_on: true, products: 1000 };
 
 /// Whether these are the problems that products alone solve: the hub is free in one direction or held.
 pub(super) fn suits(problem: &Problem) -> bool {
@@ -49,7 +58,7 @@ pub(super) fn approach(state: &mut State, effort: Effort, spent: &mut usize) {
 /// The normal forces and the hub with the tangential forces as they are; returns the number of steps.
 fn press(state: &mut State, effort: Effort) -> usize {
     if state.directions == 1 {
-        return conjugate_gradients(state, effort.tolerance);
+        return normal_forces(state, effort);
     }
     let problem = state.problem;
     let n = problem.points.len();
@@ -72,10 +81,20 @@ fn press(state: &mut State, effort: Effort) -> usize {
     } else {
         State::new(&normal, start)
     };
-    let steps = conjugate_gradients(&mut pressed, effort.tolerance);
+    let steps = normal_forces(&mut pressed, effort);
     state.forces[..n].copy_from_slice(&pressed.forces);
     state.hub.copy_from_slice(&pressed.hub);
     steps
+}
+
+/// The normal forces and the hub of a `state` with one direction a point; returns the number of steps.
+fn normal_forces(state: &mut State, effort: Effort) -> usize {
+    let Effort { tolerance, with_inverse, without, goes_on, .. } = effort;
+    match preconditioned(state, tolerance, with_inverse) {
+        None => conjugate_gradients(state, tolerance, without),
+        Some((steps, settled)) if settled || !goes_on => steps,
+        Some((steps, _)) => steps + conjugate_gradients(state, tolerance, without),
+    }
 }
 
 /// The friction of the normal forces as they are, the hub held: the forces within the cones whose energy is least, by projected
