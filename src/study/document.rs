@@ -30,7 +30,7 @@ pub use bodies::{
     Inclination, MeshFileKeys, RailBodyKey, RailDimensionKeys, RailKeys, SurfaceKeys, UnitKey, WebKey,
     WheelKeys,
 };
-pub use function::{HarmonicForceKeys, HarmonicMomentKeys, Interpolation, TableKeys};
+pub use function::{HarmonicForceKeys, HarmonicMomentKeys, Interpolation, TableKeys, sine};
 pub use material::{BodyMaterialKeys, GroupMaterialKeys, MaterialKeys};
 pub use output::{OutputKeys, SolidLoadsKey, VerticalKey};
 pub use scenario::{ForceKeys, ScenarioKeys, SuspensionKeys, TorsionKeys};

@@ -51,6 +51,14 @@ fn broken(key: &str, file: &str, InputError { value, expected, .. }: InputError)
     InputError::new(key, value, expected, remedy)
 }
 
+/// What is wrong with the section of a measured profile of a key.
+fn of_file(key: &str, file: &str, error: Error) -> InputError {
+    match error {
+        Error::Input(error) => broken(key, file, error),
+        other => unusable(key, file, other),
+    }
+}
+
 /// A study with a measured profile of one body, the keys of which are those of a profile alone.
 fn study(folder: &Path, key: &str, body: &str, file: &str) -> Result<Study> {
     let other = if body == "rail" { ("wheel.profile", "S1002") } else { ("rail.profile", "60E1") };
@@ -90,10 +98,7 @@ fn is_file(folder: &Path, name: &str, standards: &[&str]) -> bool {
 pub(super) fn rail(folder: &Path, key: &str, name: &str, found: &mut Found) -> Result<AnalysedRail> {
     let section = if is_file(folder, name, &RAIL_NAMES) {
         let study = study(folder, key, "rail", name)?;
-        let read = sections::rail(study.statics()).map_err(|error| match error {
-            Error::Input(error) => broken(key, name, error),
-            other => unusable(key, name, other),
-        })?;
+        let read = sections::rail(study.statics()).map_err(|error| of_file(key, name, error))?;
         noted(found, (key, name), study.rail.measured.as_ref(), repairs(&read.records));
         read.section
     } else {
@@ -112,10 +117,7 @@ pub(super) fn wheel(folder: &Path, key: &str, name: &str, found: &mut Found) -> 
         return wheel_profile(name).map_err(|error| unusable(key, name, error));
     }
     let study = study(folder, key, "wheel", name)?;
-    let read = sections::wheel(study.statics()).map_err(|error| match error {
-        Error::Input(error) => broken(key, name, error),
-        other => unusable(key, name, other),
-    })?;
+    let read = sections::wheel(study.statics()).map_err(|error| of_file(key, name, error))?;
     noted(found, (key, name), study.wheel.measured.as_ref(), repairs(&read.records));
     Ok(read.section.running)
 }

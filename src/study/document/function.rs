@@ -42,6 +42,16 @@ pub enum Interpolation {
     Corners,
 }
 
+/// A sine about a mean value in N or N·m, rad, of kN or kN·m, Hz and degrees.
+pub fn sine(mean: f64, amplitude: f64, frequency: f64, phase: f64) -> HarmonicForce {
+    HarmonicForce {
+        constant: mean * KILONEWTON,
+        amplitude: amplitude * KILONEWTON,
+        frequency,
+        phase: phase.to_radians(),
+    }
+}
+
 /// A sine of a force.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -61,12 +71,7 @@ pub struct HarmonicForceKeys {
 impl HarmonicForceKeys {
     /// The sine in N or N·m, rad.
     pub fn sine(&self) -> HarmonicForce {
-        HarmonicForce {
-            constant: 0.0,
-            amplitude: self.amplitude_kn * KILONEWTON,
-            frequency: self.frequency_hz,
-            phase: self.phase_deg.to_radians(),
-        }
+        sine(0.0, self.amplitude_kn, self.frequency_hz, self.phase_deg)
     }
 }
 
@@ -89,11 +94,6 @@ pub struct HarmonicMomentKeys {
 impl HarmonicMomentKeys {
     /// The sine in N or N·m, rad.
     pub fn sine(&self) -> HarmonicForce {
-        HarmonicForce {
-            constant: 0.0,
-            amplitude: self.amplitude_kn_m * KILONEWTON,
-            frequency: self.frequency_hz,
-            phase: self.phase_deg.to_radians(),
-        }
+        sine(0.0, self.amplitude_kn_m, self.frequency_hz, self.phase_deg)
     }
 }

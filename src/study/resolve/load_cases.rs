@@ -11,6 +11,7 @@ use crate::study::analysis::StudyScenario;
 use crate::study::collect::Collector;
 use crate::study::document::{
     ForceKeys, HarmonicForceKeys, HarmonicMomentKeys, ScenarioKeys, SuspensionKeys, TableKeys, TorsionKeys,
+    sine,
 };
 use crate::study::source::Source;
 use crate::study::tables::{Shorter, Steps, Table};
@@ -49,25 +50,19 @@ fn kelvin(keys: &SuspensionKeys) -> Kelvin {
 }
 
 fn force(keys: &ForceKeys) -> TimeFunction {
-    let first = HarmonicForce {
-        constant: keys.mean_kn * KILONEWTON,
-        amplitude: keys.amplitude_kn * KILONEWTON,
-        frequency: keys.frequency_hz,
-        phase: keys.phase_deg.to_radians(),
-    };
-    let harmonics = [first].into_iter().chain(keys.harmonics.iter().map(HarmonicForceKeys::sine));
-    TimeFunction { harmonics: harmonics.collect(), table: Vec::new() }
+    let ForceKeys { mean_kn, amplitude_kn, frequency_hz, phase_deg, harmonics, .. } = keys;
+    let first = sine(*mean_kn, *amplitude_kn, *frequency_hz, *phase_deg);
+    sum(first, harmonics.iter().map(HarmonicForceKeys::sine))
 }
 
 fn torsion(keys: &TorsionKeys) -> TimeFunction {
-    let first = HarmonicForce {
-        constant: keys.mean_kn_m * KILONEWTON,
-        amplitude: keys.amplitude_kn_m * KILONEWTON,
-        frequency: keys.frequency_hz,
-        phase: keys.phase_deg.to_radians(),
-    };
-    let harmonics = [first].into_iter().chain(keys.harmonics.iter().map(HarmonicMomentKeys::sine));
-    TimeFunction { harmonics: harmonics.collect(), table: Vec::new() }
+    let TorsionKeys { mean_kn_m, amplitude_kn_m, frequency_hz, phase_deg, harmonics, .. } = keys;
+    let first = sine(*mean_kn_m, *amplitude_kn_m, *frequency_hz, *phase_deg);
+    sum(first, harmonics.iter().map(HarmonicMomentKeys::sine))
+}
+
+fn sum(first: HarmonicForce, further: impl Iterator<Item = HarmonicForce>) -> TimeFunction {
+    TimeFunction { harmonics: [first].into_iter().chain(further).collect(), table: Vec::new() }
 }
 
 /// Reads the tables of the forces of a load case into them; what is wrong with one is left to the collector.
