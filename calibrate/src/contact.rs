@@ -63,6 +63,7 @@ mod lattice;
 mod compliance;
 mod half_space;
 mod operator;
+mod mirrored_transform;
 mod convolution;
 mod near_field;
 mod hybrid;

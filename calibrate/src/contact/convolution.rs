@@ -1,13 +1,13 @@
 //! Sums over a uniform grid by transforms: what the hats of a grid under forces do to each other, by the kernels of half-spaces.
 
 use super::half_space::{Factors, HatTable, Kernels};
+use super::mirrored_transform::MirroredTransform;
+use super::operator::ALONG;
 use nalgebra::Vector2;
 use realfft::num_complex::Complex;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use rustfft::{Fft, FftPlanner};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
-
-mod mirrored;
 
 /// The kernels of a grid over a rectangle of its lines, in twice the rectangle so that it does not repeat itself.
 pub(super) struct Convolution {
@@ -23,8 +23,8 @@ pub(super) struct Convolution {
     /// The inverse and the across kernel as of a grid that repeats itself, made when they are wanted: where the others have no values, halfway round, these go
     /// on, so that they are positive.
     repeated: OnceLock<[Vec<f64>; 2]>,
-    /// Plans for mirror images, made when they are wanted.
-    mirrored: OnceLock<mirrored::Plans>,
+    /// Transforms of mirror images, made when they are wanted.
+    mirrored: OnceLock<MirroredTransform>,
 }
 
 /// A transform, by the frequency along the track and then that along the profile.
@@ -190,6 +190,38 @@ impl Convolution {
         sum: &mut [Complex<f64>],
     ) {
         self.spectra.of(factors, (to, from)).add(0, spectrum, sum);
+    }
+
+    /// Transforms of values that are their own mirror image along the track, or the opposite of it.
+    pub fn mirrored(&self) -> &MirroredTransform {
+        self.mirrored.get_or_init(|| MirroredTransform::new(self.padded))
+    }
+
+    /// As [`Self::add`], of spectra of mirror images.
+    pub fn add_mirrored(
+        &self,
+        factors: &Factors,
+        (to, from): (usize, usize),
+        spectrum: &[Complex<f64>],
+        sum: &mut [Complex<f64>],
+    ) {
+        // those of opposite values are multiplied by i
+        let turns = if from == ALONG { 3 } else { 0 } + if to == ALONG { 1 } else { 0 };
+        let kernel = self.spectra.of(factors, (to, from)).turned(turns);
+        let count = self.mirrored().frequencies();
+        let all = spectrum.chunks_exact(count).zip(sum.chunks_exact_mut(count));
+        all.enumerate().for_each(|(k, (spectrum, sum))| kernel.add(k * self.padded.0, spectrum, sum));
+    }
+
+    /// As [`Self::divide`], of a spectrum of mirror images.
+    pub fn divide_mirrored(&self, factors: &Factors, direction: usize, spectrum: &mut [Complex<f64>]) {
+        let inverse: Vec<f64> = self.inverse(factors, direction).collect();
+        let of_frequencies = inverse.chunks_exact(self.padded.0);
+        for (spectrum, inverse) in
+            spectrum.chunks_exact_mut(self.mirrored().frequencies()).zip(of_frequencies)
+        {
+            spectrum.iter_mut().zip(inverse).for_each(|(s, inverse)| *s *= inverse);
+        }
     }
 
     /// Divides the `spectrum` of displacements in a direction (as in [`Self::add`]) by the kernel of that direction on a grid that repeats itself: what is left is that of

@@ -77,7 +77,7 @@ impl NearField {
 
     fn transform(&self, direction: usize, values: impl Iterator<Item = ((usize, usize), f64)>) -> Spectrum {
         if self.is_half {
-            self.convolution.transform_mirrored(direction, values)
+            self.convolution.mirrored().transform(direction, values)
         } else {
             self.convolution.transform(values)
         }
@@ -87,7 +87,7 @@ impl NearField {
     fn back(&self, direction: usize, spectrum: Spectrum, each: impl FnMut(usize, f64)) {
         let (lines, places) = (self.extent.0, &self.places);
         if self.is_half {
-            self.convolution.back_mirrored(direction, spectrum, lines, places, each);
+            self.convolution.mirrored().back(direction, spectrum, lines, places, each);
         } else {
             self.convolution.back(spectrum, lines, places, each);
         }
@@ -307,7 +307,7 @@ impl ComplianceOperator for NearField {
             }
             let convolution = &self.convolution;
             let (mut sum, add): (_, fn(&Convolution, &_, _, &_, &mut _)) = if self.is_half {
-                (convolution.zero_mirrored(), Convolution::add_mirrored)
+                (convolution.mirrored().zero(), Convolution::add_mirrored)
             } else {
                 (convolution.zero(), Convolution::add)
             };
