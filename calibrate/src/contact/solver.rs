@@ -382,9 +382,9 @@ mod tests {
         }
     }
 
-    /// Source: Newton's iteration on the same problem. Goal: where two round contacts share the load of one hub, the second farther away by half of the
-    /// approach and on a slope, conjugate gradients with the inverse of the half-spaces come to the forces, N, and the way of the hub, m, from a start in
-    /// which the first carries everything. Accuracy: SOLVER.
+    /// Source: Newton's iteration on the same problem. Goal: two round contacts share the load of one hub. The second is farther away by half of the approach, and on a
+    /// slope. Conjugate gradients with the inverse of the half-spaces come to the forces, N, and the way of the hub, m. The first carries everything at the
+    /// start. Accuracy: SOLVER.
     #[test]
     fn two_regions_share_a_load() {
         let (h, radius, apart) = (0.3e-3, 0.05, 6e-3);
