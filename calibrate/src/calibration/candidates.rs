@@ -51,9 +51,7 @@ impl<'a> FinePlan<'a> {
     pub fn beside(of_this: Option<&'a Pressed>) -> Self {
         Self { first_far: FirstFar::Other(of_this), ..Self::default() }
     }
-}
 
-impl FinePlan<'_> {
     /// Whether the iteration starts from a state of the same pair.
     pub fn is_from_start(&self) -> bool {
         matches!(self.first_far, FirstFar::Start)
@@ -135,7 +133,7 @@ impl WheelOnRail<'_> {
                     let across = widths(&fine.lattice, &last.points, &last.solution.forces);
                     let region = match plan.first_far {
                         FirstFar::Start => self.region(last, higher),
-                        // cached gaps are those of its own pair
+                        // the cached gaps are those of the other pair
                         FirstFar::Other(_) => self.region_of(last, &self.node_gaps(last), higher),
                     };
                     plan.chosen = Some((self.lattice(across.map(|w| w * growth)), region));

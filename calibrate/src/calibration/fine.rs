@@ -419,8 +419,6 @@ impl Numbers {
     }
 }
 
-/// ROUNDOFF: how near a place on a line is to it, in lines.
-const ON_LINE: f64 = 1e-6;
 /// The least weight of a corner that is needed.
 const LEAST_WEIGHT: f64 = 1e-6;
 
@@ -429,7 +427,7 @@ fn corners_around(lattice: &Lattice, position: &Point2<f64>) -> [((usize, usize)
     let split = |axis: usize| {
         let line = lattice.coordinate(axis, position[axis]).max(0.0);
         // on a line, but for rounding, its neighbour is not needed
-        let whole = if (line - line.round()).abs() < ON_LINE { line.round() } else { line.floor() };
+        let whole = if (line - line.round()).abs() < Lattice::ON_LINE { line.round() } else { line.floor() };
         (whole as usize, (line - whole).clamp(0.0, 1.0))
     };
     let ((i, u), (k, v)) = (split(0), split(1));
@@ -438,7 +436,7 @@ fn corners_around(lattice: &Lattice, position: &Point2<f64>) -> [((usize, usize)
 
 /// The four points around a place with their bilinear weights; `None` where one is not there.
 fn around(lattice: &Lattice, place: &Numbers, position: &Point2<f64>) -> Option<[(usize, f64); 4]> {
-    let on_grid = |axis: usize| lattice.coordinate(axis, position[axis]) >= -ON_LINE;
+    let on_grid = |axis: usize| lattice.coordinate(axis, position[axis]) >= -Lattice::ON_LINE;
     if !(on_grid(0) && on_grid(1)) {
         return None;
     }

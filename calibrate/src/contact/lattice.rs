@@ -17,6 +17,9 @@ pub struct Lattice {
 }
 
 impl Lattice {
+    /// ROUNDOFF: how near a place on a line is to it, in lines.
+    pub const ON_LINE: f64 = 1e-6;
+
     /// A grid as long as the contact window of a mesh.
     pub fn over(grid: &SurfaceGrid, cell: Vector2<f64>) -> Self {
         let x = &grid.along_track;
@@ -47,11 +50,9 @@ impl Lattice {
 
     /// The lines across the track from one place to another along it, m, with both ends but for rounding: those before the middle are those behind it.
     pub fn columns_within(&self, from: f64, to: f64) -> std::ops::Range<usize> {
-        /// ROUNDOFF: how near a place on a line is to it, in lines.
-        const ON_LINE: f64 = 1e-6;
         let [first, last] = [from, to].map(|at| self.coordinate(1, at));
-        let end = (last + ON_LINE).floor() + 1.0;
-        (first - ON_LINE).ceil().max(0.0) as usize..end.max(0.0) as usize
+        let end = (last + Self::ON_LINE).floor() + 1.0;
+        (first - Self::ON_LINE).ceil().max(0.0) as usize..end.max(0.0) as usize
     }
 
     /// The points at `nodes` (in ascending order) between two smooth surfaces; their gaps are means over the hats. Nodes that

@@ -317,7 +317,7 @@ impl ComplianceOperator for NearField {
             let rows = &mut motion[to * n..(to + 1) * n];
             self.back(to, sum, |j, value| rows[j] += value);
         }
-        for row in (0..motion.len()).filter(|row| self.rests(*row)) {
+        for row in (ALONG * n..motion.len()).filter(|row| self.rests(*row)) {
             motion[row] += self.value(row, row) * forces[row];
         }
     }
