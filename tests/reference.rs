@@ -252,9 +252,11 @@ fn largest(checks: &[Check], problem: &str, quantity: &str) -> f64 {
 
 /// Source: the reference's mortar contact (non-negative least squares, own integration along the wheel's normals),
 /// with friction and without. Goal: hub displacement and area over the load; the difference shrinks with the elements.
-/// Accuracy: on 6 mm, where a patch is one to six nodes, twice the limits of the default mesh; on 4 mm these limits.
+/// Accuracy: on 6 mm, where a patch is one to six nodes, twice the limits of the default mesh; on 3 mm these limits, and
+/// at most half of the difference, as of first order. Between meshes less far apart it need not shrink: the largest over
+/// the loads jumps where a node comes into contact (3.8e-4, 3.8e-4 and 1.0e-4 on 6, 4 and 3 mm).
 #[test]
-#[ignore = "a quarter of a minute: cargo long reference"]
+#[ignore = "half a minute: cargo long reference"]
 fn another_contact_formulation_agrees_and_converges() {
     if !railspring_testing::python() {
         return;
@@ -265,13 +267,13 @@ fn another_contact_formulation_agrees_and_converges() {
     let (frictionless, frictional) = ("contact without friction", "contact with friction 0.5");
     let coarse = right();
     let mut study = study();
-    study.mesh.contact_element = 4e-3;
-    study.mesh.contact_element_along = 4e-3;
+    study.mesh.contact_element = 3e-3;
+    study.mesh.contact_element_along = 3e-3;
     let fine = prepare(&CrosscheckInput::of(&study), &[Case::SameMesh], &Resources::of_the_machine(&Silent))
         .unwrap_or_else(|e| panic!("{e}"));
     let fine = compared_for(&fine, &fine.exchange);
     let both = [coarse, &fine].map(|checks| largest(checks, frictionless, "hub displacement"));
-    assert!(0.0 < both[1] && both[1] < both[0], "{both:?}");
+    assert!(0.0 < both[1] && both[1] < 0.5 * both[0], "{both:?}");
     assert!(both[0] < 2.0 * HUB && both[1] < HUB, "{both:?}");
     let slipping = largest(coarse, frictional, "hub displacement");
     assert!(0.0 < slipping && slipping < 2.0 * HUB, "{slipping}");
