@@ -65,6 +65,7 @@ mod half_space;
 mod operator;
 mod mirrored_transform;
 mod convolution;
+mod strips;
 mod near_field;
 mod hybrid;
 mod state;

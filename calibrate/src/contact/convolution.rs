@@ -19,7 +19,7 @@ pub(super) struct Convolution {
     rows_back: Arc<dyn ComplexToReal<f64>>,
     columns: Arc<dyn Fft<f64>>,
     columns_back: Arc<dyn Fft<f64>>,
-    spectra: Spectra,
+    spectra: Spectra<f64>,
     /// The inverse and the across kernel as of a grid that repeats itself, made when they are wanted: where the others have no values, halfway round, these go
     /// on, so that they are positive.
     repeated: OnceLock<[Vec<f64>; 2]>,
@@ -31,36 +31,66 @@ pub(super) struct Convolution {
 pub(super) type Spectrum = Vec<Complex<f64>>;
 
 /// Transforms of the kernels, with the factor of both ways. Those that are even in both directions, and that odd in both, are real; those odd in
-/// one are imaginary.
-struct Spectra {
-    inverse: Vec<f64>,
-    across: Vec<f64>,
-    shear: Vec<f64>,
-    gradient: [Vec<f64>; 2],
+/// one are imaginary, and have their imaginary part here. Between strips that are apart they are complex.
+struct Spectra<T> {
+    inverse: Vec<T>,
+    across: Vec<T>,
+    shear: Vec<T>,
+    gradient: [Vec<T>; 2],
 }
 
-/// The transform of a kernel: the sum of real ones with their factors, times i where it is imaginary.
+/// The transform of a kernel: the sum of others with their factors.
+type Terms<'a, T> = [(f64, &'a [T]); 2];
+
+/// The transform of a kernel that is real, or times i where it is imaginary.
 struct Kernel<'a> {
-    terms: [(f64, &'a [f64]); 2],
+    terms: Terms<'a, f64>,
     is_imaginary: bool,
 }
 
-impl Spectra {
+impl<T> Spectra<T> {
     /// What forces in the direction `from` move in the direction `to`.
-    fn of(&self, factors: &Factors, (to, from): (usize, usize)) -> Kernel<'_> {
+    fn terms(&self, factors: &Factors, (to, from): (usize, usize)) -> Terms<'_, T> {
         let Factors { inverse, tangential, coupling } = *factors;
         let Self { inverse: kernel, across, shear, gradient } = self;
-        let real = |terms| Kernel { terms, is_imaginary: false };
         match (to, from) {
-            (0, 0) => real([(inverse, kernel), (0.0, kernel)]),
-            (1, 1) => real([(inverse, kernel), (tangential, across)]),
-            (2, 2) => real([(inverse + tangential, kernel), (-tangential, across)]),
-            (1, 2) | (2, 1) => real([(tangential, shear), (0.0, shear)]),
+            (0, 0) => [(inverse, kernel), (0.0, kernel)],
+            (1, 1) => [(inverse, kernel), (tangential, across)],
+            (2, 2) => [(inverse + tangential, kernel), (-tangential, across)],
+            (1, 2) | (2, 1) => [(tangential, shear), (0.0, shear)],
             (0, other) | (other, _) => {
                 let factor = if to == 0 { -coupling } else { coupling };
                 let gradient = &gradient[other - 1];
-                Kernel { terms: [(factor, gradient), (0.0, gradient)], is_imaginary: true }
+                [(factor, gradient), (0.0, gradient)]
             }
+        }
+    }
+}
+
+impl Spectra<f64> {
+    fn of(&self, factors: &Factors, (to, from): (usize, usize)) -> Kernel<'_> {
+        Kernel { terms: self.terms(factors, (to, from)), is_imaginary: (to == 0) != (from == 0) }
+    }
+}
+
+impl Spectra<Complex<f64>> {
+    /// Adds to `sum` the product of the kernel with part of a `spectrum`, for which it begins at `first`, times i so many times.
+    fn add(
+        &self,
+        factors: &Factors,
+        directions: (usize, usize),
+        (first, turns): (usize, u32),
+        spectrum: &[Complex<f64>],
+        sum: &mut [Complex<f64>],
+    ) {
+        let [(a, one), (b, other)] = self.terms(factors, directions).map(|(f, kernel)| (f, &kernel[first..]));
+        let turn = Complex::i().powu(turns);
+        let (a, b) = (turn * a, turn * b);
+        let all = sum.iter_mut().zip(spectrum).zip(one.iter().zip(other));
+        if b == Complex::ZERO {
+            all.for_each(|((sum, s), (one, _))| *sum += s * (a * one));
+        } else {
+            all.for_each(|((sum, s), (one, other))| *sum += s * (a * one + b * other));
         }
     }
 }
@@ -90,6 +120,14 @@ impl Kernel<'_> {
 /// Convolutions that were made, those used last at the end, at most so many.
 static MADE: Mutex<Vec<Arc<Convolution>>> = Mutex::new(Vec::new());
 const KEPT: usize = 128;
+
+/// Kernels between strips that were made, by the spacings of the grid, m, the lines of twice a strip's rectangle and the lines from one strip to the other; at most so
+/// many, of some hundred kilobytes each.
+static APART: Mutex<Vec<(Apart, Arc<Spectra<Complex<f64>>>)>> = Mutex::new(Vec::new());
+const KEPT_APART: usize = 64;
+
+/// What kernels between strips depend on.
+type Apart = (Vector2<f64>, (usize, usize), isize);
 
 impl Convolution {
     /// That of a grid with spacings `cell` (m) over at least `extent` lines along the profile and the track. Grids of one spacing share it:
@@ -145,6 +183,38 @@ impl Convolution {
         self.kernel_over(0, of)
     }
 
+    /// The kernels between places in two strips of lines, so many lines `apart`; `table` reaches over both.
+    fn kernels_apart(&self, apart: isize, table: &HatTable) -> Arc<Spectra<Complex<f64>>> {
+        let known = || APART.lock().unwrap_or_else(PoisonError::into_inner);
+        let key = (self.table.cell, self.padded, apart);
+        if let Some((_, spectra)) = known().iter().find(|(of, _)| *of == key) {
+            return spectra.clone();
+        }
+        let (lines, columns) = self.padded;
+        let reach = ((lines / 2) as isize, (columns / 2) as isize);
+        let scale = 1.0 / (lines * columns) as f64;
+        let wrap = |offset: isize, size: usize| offset.rem_euclid(size as isize) as usize;
+        let offsets: Vec<_> =
+            (1 - reach.0..reach.0).flat_map(|i| (1 - reach.1..reach.1).map(move |k| (i, k))).collect();
+        let means: Vec<Kernels> = offsets.iter().map(|(i, k)| table.at((apart + i, *k))).collect();
+        let kernel = |of: &dyn Fn(&Kernels) -> f64| {
+            let places = offsets.iter().map(|(i, k)| (wrap(*i, lines), wrap(*k, columns)));
+            self.transform(places.zip(means.iter().map(|means| scale * of(means))))
+        };
+        let new = Arc::new(Spectra {
+            inverse: kernel(&|means| means.inverse),
+            across: kernel(&|means| means.across),
+            shear: kernel(&|means| means.shear),
+            gradient: [0, 1].map(|axis| kernel(&|means| means.gradient[axis])),
+        });
+        let mut known = known();
+        if known.len() == KEPT_APART {
+            known.remove(0);
+        }
+        known.push((key, new.clone()));
+        new
+    }
+
     /// The same with so many lines more, 0 or 1, in either direction, which have the values before them.
     fn kernel_over(&self, more: isize, of: impl Fn(&Kernels) -> f64) -> Spectrum {
         let (lines, columns) = self.padded;
@@ -192,6 +262,35 @@ impl Convolution {
         self.spectra.of(factors, (to, from)).add(0, spectrum, sum);
     }
 
+    /// As [`Self::add`], between strips of lines so many lines `apart`, from that of the spectrum to that of the sum; `table` reaches over both.
+    pub fn add_apart(
+        &self,
+        (apart, table): (isize, &HatTable),
+        factors: &Factors,
+        directions: (usize, usize),
+        spectrum: &[Complex<f64>],
+        sum: &mut [Complex<f64>],
+    ) {
+        self.kernels_apart(apart, table).add(factors, directions, (0, 0), spectrum, sum);
+    }
+
+    /// As [`Self::add_apart`], of spectra of mirror images.
+    pub fn add_apart_mirrored(
+        &self,
+        (apart, table): (isize, &HatTable),
+        factors: &Factors,
+        directions: (usize, usize),
+        spectrum: &[Complex<f64>],
+        sum: &mut [Complex<f64>],
+    ) {
+        let kernels = self.kernels_apart(apart, table);
+        let count = self.mirrored().frequencies();
+        let all = spectrum.chunks_exact(count).zip(sum.chunks_exact_mut(count));
+        for (k, (spectrum, sum)) in all.enumerate() {
+            kernels.add(factors, directions, (k * self.padded.0, turns(directions)), spectrum, sum);
+        }
+    }
+
     /// Transforms of values that are their own mirror image along the track, or the opposite of it.
     pub fn mirrored(&self) -> &MirroredTransform {
         self.mirrored.get_or_init(|| MirroredTransform::new(self.padded))
@@ -205,9 +304,7 @@ impl Convolution {
         spectrum: &[Complex<f64>],
         sum: &mut [Complex<f64>],
     ) {
-        // those of opposite values are multiplied by i
-        let turns = if from == ALONG { 3 } else { 0 } + if to == ALONG { 1 } else { 0 };
-        let kernel = self.spectra.of(factors, (to, from)).turned(turns);
+        let kernel = self.spectra.of(factors, (to, from)).turned(turns((to, from)));
         let count = self.mirrored().frequencies();
         let all = spectrum.chunks_exact(count).zip(sum.chunks_exact_mut(count));
         all.enumerate().for_each(|(k, (spectrum, sum))| kernel.add(k * self.padded.0, spectrum, sum));
@@ -255,12 +352,12 @@ impl Convolution {
         values().map(move |value| both_ways / value.max(least))
     }
 
-    /// The values whose `spectrum` it is at `places`, in their order, within the first `lines` along the profile.
+    /// The values whose `spectrum` it is at numbered `places` within the first `lines` along the profile.
     pub fn back(
         &self,
         mut spectrum: Spectrum,
         lines: usize,
-        places: &[(usize, usize)],
+        places: impl Iterator<Item = (usize, (usize, usize))>,
         mut each: impl FnMut(usize, f64),
     ) {
         let (padded, columns) = self.padded;
@@ -275,13 +372,29 @@ impl Convolution {
             let output = &mut real[i * columns..(i + 1) * columns];
             self.rows_back.process_with_scratch(&mut row, output, &mut scratch).expect("lengths of the plan");
         }
-        places.iter().enumerate().for_each(|(j, place)| each(j, real[place.0 * columns + place.1]));
+        places.for_each(|(j, place)| each(j, real[place.0 * columns + place.1]));
+    }
+
+    /// Lines along the profile that it reaches over.
+    pub fn lines(&self) -> usize {
+        self.padded.0 / 2
+    }
+
+    /// Lines along the track that it reaches over.
+    pub fn columns(&self) -> usize {
+        self.padded.1 / 2
     }
 
     /// A spectrum of zeros.
     pub fn zero(&self) -> Spectrum {
         vec![Complex::default(); self.padded.0 * (self.padded.1 / 2 + 1)]
     }
+}
+
+/// How often a kernel is multiplied by i between spectra of mirror images: those of opposite values are.
+fn turns((to, from): (usize, usize)) -> u32 {
+    let of = |direction, turns| if direction == ALONG { turns } else { 0 };
+    of(from, 3) + of(to, 1)
 }
 
 /// Smallest number from `least` on that is even and has no other primes than 2, 3 and 5.

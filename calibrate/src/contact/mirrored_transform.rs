@@ -93,14 +93,14 @@ impl MirroredTransform {
         spectrum
     }
 
-    /// The values in a `direction` whose `spectrum` it is at `places`, in their order, within the first `lines` along the profile; places as in
+    /// The values in a `direction` whose `spectrum` it is at numbered `places`, within the first `lines` along the profile; places as in
     /// [`Self::transform`].
     pub fn back(
         &self,
         direction: usize,
         mut spectrum: Vec<Complex<f64>>,
         lines: usize,
-        places: &[(usize, usize)],
+        places: impl Iterator<Item = (usize, (usize, usize))>,
         mut each: impl FnMut(usize, f64),
     ) {
         let (padded, columns) = self.size;
@@ -130,7 +130,7 @@ impl MirroredTransform {
         }
         let mut scratch = vec![Complex::default(); self.along_back.get_inplace_scratch_len()];
         self.along_back.process_with_scratch(&mut values, &mut scratch);
-        for (j, &(line, column)) in places.iter().enumerate() {
+        for (j, (line, column)) in places {
             let both = values[line / 2 * columns + column];
             each(j, if line % 2 == 0 { both.re } else { both.im });
         }

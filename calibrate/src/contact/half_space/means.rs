@@ -90,7 +90,7 @@ fn slopes() -> [(f64, f64); 8] {
 
 /// Means between the hats of a uniform grid, by their offset in grid lines. All kernels go with the inverse of a length, so that grids of one ratio
 /// of spacings that differ by a power of two, as halved grids do, have one table.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct HatTable {
     /// Grid spacing along the profile and the track, m.
     pub cell: Vector2<f64>,
