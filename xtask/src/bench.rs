@@ -1,4 +1,4 @@
-//! `cargo xtask bench`: how time and memory grow with the size of a model.
+//! `cargo xtask bench`: how time and memory grow with the size of a model or of a fleet.
 
 use std::path::{Path, PathBuf};
 
@@ -15,6 +15,7 @@ use railspring::results::run::springs;
 use railspring::study::Study;
 use railspring_profiles::error::Error;
 
+use crate::fleet::{Fleet, WHEELS_MOST};
 use crate::scaling::{self, ScalingRecord, Sweep, sweep};
 use crate::step_times::{self, Peers, StepTimesRecord, prepared, step_times};
 
@@ -43,6 +44,29 @@ pub enum BenchCommand {
     /// Time a step of the moving solver: the published load case 4.1, a bridge of 25 m, and rails of 20 to 10000 beam elements; with --peers beside
     /// other programs. Writes moving.csv, moving.json and moving.svg
     Moving(MovingArgs),
+    /// Make a table of synthetic measured wheels with a build of railspring, and again with new ones: time, memory, store, and what own
+    /// bodies change. Writes the wheels, their table and fleet.json. 10000 wheels take most of an hour on two cores
+    Fleet(FleetArgs),
+}
+
+/// The wheels and where they go.
+#[derive(Debug, Args)]
+pub struct FleetArgs {
+    /// Wheels of the first run
+    #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=WHEELS_MOST))]
+    wheels: u32,
+    /// New wheels of the second run; 0 leaves it out
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(0..=WHEELS_MOST))]
+    new: u32,
+    /// The build of railspring; left out, that of cargo build --release
+    #[arg(long, value_name = "PATH")]
+    program: Option<PathBuf>,
+    /// Output folder
+    #[arg(short, long, value_name = "DIR", default_value = "out/bench-fleet")]
+    output: PathBuf,
+    /// Further arguments of railspring table, behind --
+    #[arg(last = true, value_name = "ARGUMENT")]
+    arguments: Vec<String>,
 }
 
 /// The runs and where the results go.
@@ -118,13 +142,26 @@ pub fn run(command: &BenchCommand) -> Result<(), Failure> {
         BenchCommand::Solid(SolidArgs { set, .. }) => {
             Study::parse_with(Path::new("uic60-s1002.toml"), DEFAULT, set.settings())?
         }
-        BenchCommand::Moving(_) => Study::parse(Path::new("uic60-s1002.toml"), DEFAULT)?,
+        BenchCommand::Moving(_) | BenchCommand::Fleet(_) => {
+            Study::parse(Path::new("uic60-s1002.toml"), DEFAULT)?
+        }
     };
     let done = match command {
         BenchCommand::Solid(args) => solid(args, &study),
         BenchCommand::Moving(args) => moving(args, &study),
+        BenchCommand::Fleet(args) => fleet(args),
     };
     done.map_err(|error| Failure::of_stage(&study, error))
+}
+
+/// Times a table of synthetic measured wheels.
+fn fleet(args: &FleetArgs) -> Result<(), Error> {
+    let folder = OutputFolder::create(&args.output, &Inputs::none())?;
+    let _claim = folder.claim()?;
+    let wheels = [args.wheels as usize, args.new as usize];
+    let FleetArgs { program, arguments, output, .. } = args;
+    Fleet { wheels, program: program.as_deref(), arguments, folder: &folder }.measured()?;
+    say(&output.display().to_string())
 }
 
 /// Times steps of the moving solver on the profiles of a study.

@@ -5,6 +5,7 @@
 mod workspace;
 mod scaling;
 mod step_times;
+mod fleet;
 mod bench;
 mod reference;
 mod ignored;
