@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use railspring_profiles::error::{Error, Result, unless_interrupted};
 use railspring_profiles::monitor::Monitor;
-use railspring_profiles::units::MILLIMETRE;
+use railspring_profiles::units::{KILONEWTON, MILLIMETRE};
 use rayon::prelude::*;
 
 use super::cases::{Case, Table};
@@ -21,8 +21,12 @@ use super::surfaces::MeasuredRecord;
 use super::turns::{Pairs, in_turn};
 use crate::engine::store::Store;
 use crate::results::bodies::estimate::{self, GIB, Resources, Work};
+use crate::results::bodies::geometry;
 use crate::results::bodies::input::SolidsInput;
 use crate::study::parts as parts_of;
+
+/// Cases of which the places are looked at to foretell the time of a table, at most.
+const CASES_LOOKED_AT: usize = 30;
 
 /// A pair at one shift of the wheelset.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -158,13 +162,7 @@ impl<'a> Places<'a> {
         let refused = |place: &&Place| self.table.cases[place.case].refused.is_some();
         let refused = self.places.iter().filter(refused).count();
         let bodies = wheels + rails;
-        let needs = match missing.first_key_value().filter(|_| estimated) {
-            None => None,
-            Some((first, shifts)) => {
-                let shifts: Vec<f64> = shifts.iter().map(|(shift, _)| *shift).collect();
-                self.needs(*first, &shifts, bodies, missing.len())?
-            }
-        };
+        let needs = if estimated { self.needs(&missing, bodies)? } else { None };
         Ok(Plan {
             cases: self.table.cases.len(),
             places: self.places.len(),
@@ -176,28 +174,44 @@ impl<'a> Places<'a> {
         })
     }
 
-    /// Time and memory of `bodies` and `cases` by the estimate of one of them at its `shifts` (mm), which the others resemble.
-    fn needs(&self, case: usize, shifts: &[f64], bodies: usize, cases: usize) -> Result<Option<(f64, f64)>> {
-        let mut study = self.table.cases[case].study.clone();
-        study.shifts = Some(shifts.iter().map(|shift| shift * MILLIMETRE).collect());
+    /// Time and memory of `bodies` and of what is `missing`: bodies as those of the first case, and places by where the wheels of some cases stand, evenly among all.
+    fn needs(&self, missing: &Missing, bodies: usize) -> Result<Option<(f64, f64)>> {
+        let Some((first, shifts)) = missing.first_key_value() else { return Ok(None) };
+        let towards = |shifts: &[(f64, Vec<usize>)]| -> Vec<f64> {
+            shifts.iter().map(|(shift, _)| shift * MILLIMETRE).collect()
+        };
         let silent = Beneath::silent(self.resources.monitor);
         let resources = Resources { monitor: &silent, ..self.resources };
-        let work = Work { calibrate: true, ..Work::default() };
-        let input = SolidsInput::of(&study);
-        match estimate::dry_run(&input, &work, &resources) {
-            Err(Error::Interrupted) => Err(Error::Interrupted),
+        let work = Work { calibrate: true, in_table: true, ..Work::default() };
+        let mut study = self.table.cases[*first].study.clone();
+        study.shifts = Some(towards(shifts));
+        study.calibration.fixed_loads =
+            self.table.document.stiffness_at_kn.iter().map(|load| load * KILONEWTON).collect();
+        let estimate = match estimate::dry_run(&SolidsInput::of(&study), &work, &resources) {
+            Err(Error::Interrupted) => return Err(Error::Interrupted),
             // said of the case itself when it is made
-            Err(_) => Ok(None),
-            Ok(estimate) => {
-                // the threads share the places of all cases
-                let threads = rayon::current_num_threads() as f64;
-                let pressed = cases as f64 * estimate.places_seconds / threads;
-                // the places of a pair are pressed beside the making of the next bodies
-                let beside = estimate.stages.get(1).filter(|_| bodies > 2).map_or(0.0, |stage| stage.memory);
-                let memory = estimate.memory() + beside;
-                Ok(Some((0.5 * bodies as f64 * estimate.condensing_seconds + pressed, memory)))
-            }
-        }
+            Err(_) => return Ok(None),
+            Ok(estimate) => estimate,
+        };
+        let step = missing.len().div_ceil(CASES_LOOKED_AT);
+        let some: Vec<_> = missing.iter().step_by(step).collect();
+        let looked_at: Vec<f64> = some
+            .par_iter()
+            .map(|(case, shifts)| {
+                let statics = self.table.cases[**case].study.statics();
+                // a case that cannot be pressed takes no time
+                geometry::geometry(statics)
+                    .map_or(0.0, |geometry| estimate::as_on_tread(statics, &geometry, &towards(shifts)))
+            })
+            .collect();
+        let mean = looked_at.iter().sum::<f64>() / looked_at.len() as f64;
+        // the threads share the places of all cases
+        let threads = rayon::current_num_threads() as f64;
+        let pressed = mean * missing.len() as f64 * estimate.place_seconds / threads;
+        // the places of a pair are pressed beside the making of the next bodies
+        let beside = estimate.stages.get(1).filter(|_| bodies > 2).map_or(0.0, |stage| stage.memory);
+        let memory = estimate.memory() + beside;
+        Ok(Some((0.5 * bodies as f64 * estimate.condensing_seconds + pressed, memory)))
     }
 
     /// The cases with places that are to be made, in order, each with its shifts towards the rail (mm).

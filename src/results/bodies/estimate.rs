@@ -5,6 +5,7 @@
 mod machine;
 mod condensing;
 mod work;
+mod pressing;
 mod needs;
 mod table;
 
@@ -29,6 +30,7 @@ use crate::study::{Statics, TransientKey};
 pub use self::condensing::{CONTACT_OF_STEP, condensing, least_memory, stepping};
 pub use self::machine::GIB;
 pub use self::needs::{Beside, Estimate, StageEstimate};
+pub(crate) use self::pressing::as_on_tread;
 pub use self::work::Work;
 
 /// Share of them in the factor of one half of a body: half of the equations to the power 4/3.

@@ -2,7 +2,7 @@
 //! from them with the constants below, which were measured on whole runs.
 
 use railspring_calibrate::mesh::{MeshOptions, MeshSize, rail_size, wheel_size};
-use railspring_calibrate::pair::{FIXED_LOADS_CHANGED, LOADS_COARSER, LOADS_HALVED, PairBody};
+use railspring_calibrate::pair::{LOADS_COARSER, LOADS_HALVED, PairBody, loads_in_turn};
 use railspring_calibrate::superelement::FactorSize;
 use railspring_profiles::error::Result;
 use serde::{Deserialize, Serialize};
@@ -10,6 +10,9 @@ use serde::{Deserialize, Serialize};
 use crate::python::Purpose;
 use crate::results::bodies::estimate::condensing::{ENTRY, MASS, NODE, VALUE, factor, largest, stepping};
 use crate::results::bodies::estimate::machine::slowness;
+use crate::results::bodies::estimate::pressing::{
+    Candidates, SECONDS_STEP, as_on_tread, changed, of_place, pressing, shares, ways_held,
+};
 use crate::results::bodies::estimate::work::{Work, steps_in_each};
 use crate::results::bodies::geometry::Geometry;
 use crate::results::bodies::input::SolidsInput;
@@ -21,12 +24,6 @@ use crate::study::{FieldKey, TransientKey};
 const PYTHON: f64 = 300e6;
 /// Bytes of the program itself with its profiles and texts.
 const PROGRAM: f64 = 40e6;
-/// Gap up to which points are candidates before the first solution at a load, m.
-const FIRST_GAP: f64 = 0.15e-3;
-/// Gap up to which they are kept with the load, m.
-const KEPT_GAP: f64 = 20e-6;
-/// Displacement of the hub under load, m/N, the rail held at its ends.
-const FLEXIBILITY: f64 = 1.5e-9;
 /// Seconds to assemble a hexahedron.
 const SECONDS_ASSEMBLY: f64 = 13e-6;
 /// Seconds to order a node.
@@ -35,16 +32,6 @@ const SECONDS_ORDER: f64 = 3.3e-6;
 const SPEED: f64 = 60e9;
 /// Bytes a second of a substitution, which reads the factor twice.
 const BANDWIDTH: f64 = 10e9;
-/// Seconds of a load for every pair of candidates.
-const SECONDS_PAIR: f64 = 3e-7;
-/// Seconds of a load on a fine grid, with friction, where the wheel stands on its tread.
-const SECONDS_FINE: f64 = 0.02;
-/// Seconds of a load on a grid of half its spacing and on the grid itself, without friction, on the tread.
-const SECONDS_HALVED: f64 = 0.05;
-/// How many times as long a load takes on the flange and its corner, in the mean.
-const ON_FLANGE: f64 = 3.5;
-/// Contact angle from which on a wheel stands there, rad.
-const FLANGE_ANGLE: f64 = 0.2;
 /// Seconds of a place in which elements of the solids are fitted.
 const SECONDS_ELEMENT: f64 = 1.0;
 /// Seconds of a load of the calibration, with patch, stresses, fields and its share of the horizontal stiffness.
@@ -53,8 +40,6 @@ const SECONDS_WHOLE_LOAD: f64 = 0.2;
 const SECONDS_SAMPLE: f64 = 0.055;
 /// What the changes of one input at a time take, in samples: two of each of some ten inputs, with patches and horizontal stiffness.
 const SAMPLES_ALONE: f64 = 60.0;
-/// Seconds of contact in a time step.
-const SECONDS_STEP: f64 = 0.008;
 /// Runs that are in memory together: with all modes, with fewer, and with a larger input.
 const RUNS: usize = 3;
 /// Steps that a reduced run does with fewer modes as well, at the usual time step.
@@ -103,8 +88,8 @@ pub struct Estimate {
     pub stages: Vec<StageEstimate>,
     /// Time of condensing both bodies, and those of coarser meshes where the study has error bands, s; they are among the stages.
     pub condensing_seconds: f64,
-    /// Time of the wheel at all shifts of the study on one thread, without elements, s.
-    pub places_seconds: f64,
+    /// Time of a wheel in a place on its tread on one thread, with error bands where they are wanted, without elements, s.
+    pub place_seconds: f64,
     /// The calibration on the next finer meshes, where the study has a wanted error of meshes: how often they are refined is not known
     /// before, so that no refinement is among the stages.
     pub finer: Option<StageEstimate>,
@@ -149,7 +134,7 @@ impl Estimate {
         let mut stages = Vec::new();
         let mut finer = None;
         let mut beside = Beside::default();
-        let (mut condensing_seconds, mut places_seconds) = (0.0, 0.0);
+        let (mut condensing_seconds, mut place_seconds) = (0.0, 0.0);
         if work.calibrate {
             condensing_seconds = pair.condensing_seconds();
             if input.statics.wants_error_band() && input.statics.meshes_are_ours() {
@@ -157,16 +142,21 @@ impl Estimate {
             }
             let candidates = Candidates::of(input, geometry, meshes);
             stages.push(pair.calibration(candidates));
-            places_seconds =
-                pair.places(&places::shifts(input.statics, input.shifts, &geometry.pair), candidates);
+            let loads = match work.in_table {
+                true => {
+                    loads_in_turn(&input.statics.calibration.loads, &input.statics.calibration.fixed_loads)
+                }
+                false => places::loads_by_angle(input.statics),
+            };
+            place_seconds = of_place(input, &loads, candidates);
             if input.wants_by_angle {
-                stages.push(pair.by_angle(candidates, places_seconds)?);
+                stages.push(pair.by_angle(candidates, place_seconds)?);
             }
             if input.statics.wants_error_band() {
                 stages.push(pair.error_band()?);
                 stages.extend(pair.uncertainty());
             }
-            let ways = pair.ways_held();
+            let ways = ways_held(input.statics);
             let modes = input.modes as f64;
             beside.condensing =
                 base + wheel.making(modes) + rail.making(modes) + (ways - 1.0) * rail.making(0.0);
@@ -241,7 +231,7 @@ impl Estimate {
         let slowness = slowness();
         stages.iter_mut().chain(&mut finer).for_each(|stage| stage.seconds *= slowness);
         condensing_seconds *= slowness;
-        places_seconds *= slowness;
+        place_seconds *= slowness;
         // one load case after the other
         let in_time = &stages[stages.len() - work.solids.len()..];
         beside.stages += in_time.iter().map(|stage| stage.memory).fold(0.0, f64::max);
@@ -250,7 +240,7 @@ impl Estimate {
             contact_nodes: [rail.mesh.contact, wheel.mesh.contact],
             stages,
             condensing_seconds,
-            places_seconds,
+            place_seconds,
             finer,
             beside,
         })
@@ -328,55 +318,6 @@ impl Body {
     }
 }
 
-/// Contact points under the largest load: candidates before the first solution at a load, and those that are kept.
-#[derive(Clone, Copy)]
-struct Candidates {
-    first: f64,
-    kept: f64,
-}
-
-impl Candidates {
-    fn of(input: &SolidsInput<'_>, geometry: &Geometry, meshes: &Meshes) -> Self {
-        let largest = input.statics.calibration.loads.last().copied().unwrap_or(0.0);
-        let lowered = FLEXIBILITY * largest;
-        let at = |gap| geometry.pair.candidates([&meshes.rail, &meshes.wheel], lowered, gap) as f64;
-        Self { first: at(FIRST_GAP), kept: at(KEPT_GAP) }
-    }
-
-    fn times(self, factor: f64) -> Self {
-        Self { first: factor * self.first, kept: factor * self.kept }
-    }
-
-    /// Bytes of the matrix of so many points.
-    fn dense(points: f64) -> f64 {
-        VALUE * (3.0 * points).powi(2)
-    }
-}
-
-/// Shares of the candidates by load: patches grow with the cube root of the load in each direction.
-fn shares(loads: &[f64]) -> Vec<f64> {
-    let largest = loads.last().copied().unwrap_or(0.0);
-    loads.iter().map(|load| (load / largest).powf(2.0 / 3.0)).collect()
-}
-
-/// Time of `loads`, the rail held in one way, s.
-fn pressing(input: &SolidsInput<'_>, loads: &[f64], candidates: Candidates) -> f64 {
-    match input.statics.contact.field {
-        FieldKey::Elements => {
-            shares(loads).iter().map(|share| SECONDS_PAIR * (share * candidates.first).powi(2)).sum()
-        }
-        FieldKey::Hybrid => SECONDS_FINE * loads.len() as f64,
-    }
-}
-
-/// Time of a load on the halved grid and on the grid itself, and of a load on other meshes, s.
-fn changed(input: &SolidsInput<'_>) -> (f64, f64) {
-    match input.statics.contact.field {
-        FieldKey::Hybrid => (SECONDS_HALVED, SECONDS_FINE),
-        FieldKey::Elements => (0.0, SECONDS_STEP),
-    }
-}
-
 /// The pair of a study on meshes.
 struct Pair<'a> {
     input: &'a SolidsInput<'a>,
@@ -392,7 +333,7 @@ impl Pair<'_> {
     /// The calibration without its error bands.
     fn calibration(&self, candidates: Candidates) -> StageEstimate {
         let Self { input, rail, wheel, base, .. } = self;
-        let ways = self.ways_held();
+        let ways = ways_held(self.input.statics);
         let of_states = |share: &f64| Candidates::dense(share * candidates.kept);
         let states = ways * shares(&input.statics.calibration.loads).iter().map(of_states).sum::<f64>();
         let modes = input.modes as f64;
@@ -415,12 +356,7 @@ impl Pair<'_> {
 
     /// Time of condensing wheel and rail, s.
     fn condensing_seconds(&self) -> f64 {
-        self.wheel.seconds() + self.ways_held() * self.rail.seconds()
-    }
-
-    /// In how many ways the rail is held: with its section, and with its foot where the study wants laws against that.
-    fn ways_held(&self) -> f64 {
-        if self.input.statics.calibration.foot_held { 2.0 } else { 1.0 }
+        self.wheel.seconds() + ways_held(self.input.statics) * self.rail.seconds()
     }
 
     /// Bytes of the bodies with `modes` modes: the wheel, which is condensed first, or the rail after it and after another of so many bytes.
@@ -429,46 +365,24 @@ impl Pair<'_> {
         wheel.making(modes).max(wheel.dense() + other + rail.making(modes))
     }
 
-    /// The laws by contact angle with their error bands, whose places take so many seconds on one thread.
-    fn by_angle(&self, candidates: Candidates, places_seconds: f64) -> Result<StageEstimate> {
+    /// The laws by contact angle with their error bands; a place on the tread takes so many seconds on one thread.
+    fn by_angle(&self, candidates: Candidates, place_seconds: f64) -> Result<StageEstimate> {
         let Self { input, geometry, rail, wheel, base, .. } = self;
         // each thread presses the wheel in one place, and keeps no state but the last
         let shifts = places::shifts(input.statics, input.shifts, &geometry.pair);
         let threads = (rayon::current_num_threads() as f64).min(shifts.len() as f64);
         // one more of the rail is against its section
-        let mut kept = wheel.dense() + (self.ways_held() + 1.0) * rail.dense();
+        let mut kept = wheel.dense() + (ways_held(input.statics) + 1.0) * rail.dense();
         if input.statics.wants_error_band() && input.statics.meshes_are_ours() {
             let Self { rail, wheel, .. } = self.coarser()?;
-            kept += wheel.dense() + (self.ways_held() + 1.0) * rail.dense();
+            kept += wheel.dense() + (ways_held(input.statics) + 1.0) * rail.dense();
         }
         let fitted = if input.modes > 0 { SECONDS_ELEMENT * shifts.len() as f64 } else { 0.0 };
         Ok(StageEstimate {
             stage: "law by contact angle".into(),
             memory: base + kept + 2.0 * threads * Candidates::dense(candidates.first),
-            seconds: (places_seconds + fitted) / threads,
+            seconds: (as_on_tread(input.statics, geometry, &shifts) * place_seconds + fitted) / threads,
         })
-    }
-
-    /// Time of the wheel at some shifts (m), one after the other, with error bands where they are wanted, s.
-    fn places(&self, shifts: &[f64], candidates: Candidates) -> f64 {
-        let Self { input, geometry, .. } = self;
-        let ways = self.ways_held();
-        let mut of_a_place = ways * pressing(input, &places::loads_by_angle(input.statics), candidates);
-        if input.statics.wants_error_band() {
-            let loads = FIXED_LOADS_CHANGED as f64;
-            let (on_grids, of_a_load) = changed(input);
-            of_a_place += loads * on_grids;
-            if input.statics.meshes_are_ours() {
-                // on both meshes
-                of_a_place += loads * 2.0 * ways * of_a_load;
-            }
-        }
-        let stands_on_flange = |shift: f64| {
-            let place = geometry.pair.with_wheel_at(places::tape_y(input.statics, &geometry.pair, shift));
-            place.is_ok_and(|pair| pair.touch.contact_angle.abs() > FLANGE_ANGLE)
-        };
-        let times = |shift: &f64| if stands_on_flange(*shift) { ON_FLANGE } else { 1.0 };
-        of_a_place * shifts.iter().map(times).sum::<f64>()
     }
 
     /// The same pair on the program's meshes with other sizes.
@@ -515,7 +429,7 @@ impl Pair<'_> {
     /// The error bands of the laws: the bodies of coarser meshes beside those of the laws, and the loads on both and on the halved grid.
     fn error_band(&self) -> Result<StageEstimate> {
         let Self { input, rail, wheel, base, .. } = self;
-        let ways = self.ways_held();
+        let ways = ways_held(self.input.statics);
         let kept = (ways + 1.0) * rail.dense() + wheel.dense();
         let loads = input.statics.calibration.loads.len() as f64;
         let (on_grids, of_a_load) = changed(input);

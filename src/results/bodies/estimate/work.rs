@@ -15,6 +15,8 @@ pub struct Work {
     pub calibrate: bool,
     /// Load cases of the solid model: name and steps of the integration.
     pub solids: Vec<(String, usize)>,
+    /// Whether its places are those of a table, under all loads of the calibration.
+    pub in_table: bool,
     /// The questions to the reference.
     pub reference: Option<Purpose>,
 }
@@ -28,7 +30,7 @@ impl Work {
                 (name.clone(), (case.scenario.steps as f64 * steps_in_each(input)).ceil() as usize)
             })
             .collect();
-        Self { calibrate, solids, reference: None }
+        Self { calibrate, solids, ..Self::default() }
     }
 
     /// The tool's part of a cross-check, and that of the reference.

@@ -81,9 +81,9 @@ impl<'a> InTimeInput<'a> {
     pub fn work(&self) -> Work {
         let steps = self.case.steps * self.inner_steps;
         Work {
-            calibrate: false,
             solids: vec![(self.name.into(), steps)],
             reference: Some(Purpose::FirstOrder),
+            ..Work::default()
         }
     }
 
