@@ -1,5 +1,6 @@
 //! `cargo xtask bench fleet`: a table of many synthetic measured wheels, timed as a user runs it, and once more with some new files.
 
+mod files;
 mod record;
 mod wheels;
 
@@ -12,8 +13,9 @@ use railspring::engine::measure::{machine, now_utc};
 use railspring::engine::output::OutputFolder;
 use railspring_profiles::error::{Error, InputError, Result};
 
-use crate::workspace::workspace;
+use crate::workspace::{clear, workspace};
 
+use files::{size, unwritable};
 use record::{FleetRecord, FleetRun, Rows};
 
 /// Most wheels of a run.
@@ -175,36 +177,8 @@ fn processor_time(stat: &str) -> Option<f64> {
     Some((times.next()? + times.next()?) / TICKS)
 }
 
-/// Bytes of all files in a folder.
-fn size(folder: &Path) -> u64 {
-    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
-    let of = |entry: std::fs::DirEntry| match entry.metadata() {
-        Ok(data) if data.is_dir() => size(&entry.path()),
-        Ok(data) => data.len(),
-        Err(_) => 0,
-    };
-    entries.map(of).sum()
-}
-
 fn rounded(value: f64, parts: f64) -> f64 {
     (value * parts).round() / parts
-}
-
-fn unwritable(path: &Path, cause: &std::io::Error) -> InputError {
-    InputError::new(
-        "--output",
-        path.display(),
-        format!("a folder that can be written: {cause}"),
-        "name another one",
-    )
-}
-
-/// Takes a folder away, if it is there.
-fn clear(folder: &Path) -> Result<()> {
-    match std::fs::remove_dir_all(folder) {
-        Err(cause) if cause.kind() != std::io::ErrorKind::NotFound => Err(unwritable(folder, &cause).into()),
-        _ => Ok(()),
-    }
 }
 
 #[cfg(test)]

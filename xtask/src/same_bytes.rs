@@ -13,7 +13,7 @@ use folders::{Difference, Side, compare};
 use railspring::cli::output::say;
 use railspring_profiles::error::{Error, InputError, Result};
 
-use crate::workspace::{Workspace, workspace};
+use crate::workspace::{Workspace, clear, workspace};
 
 /// The study that takes longest, left out unless it is named.
 const LARGE: &str = "paper-scale";
@@ -110,18 +110,6 @@ fn solve(program: &Path, study: &Path, out: &Path) -> Result<()> {
         Some(0 | 1) => Ok(()),
         None | Some(INTERRUPTED) => Err(Error::Interrupted),
         Some(code) => Err(wrong(format!("{} ends with {code}", program.display())).into()),
-    }
-}
-
-/// Takes a folder away, if it is there.
-fn clear(folder: &Path) -> Result<()> {
-    match std::fs::remove_dir_all(folder) {
-        Err(cause) if cause.kind() != std::io::ErrorKind::NotFound => {
-            let remedy = "take it away by hand";
-            let expected = format!("a folder that can be removed: {cause}");
-            Err(InputError::new("results", folder.display(), expected, remedy).into())
-        }
-        _ => Ok(()),
     }
 }
 

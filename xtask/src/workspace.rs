@@ -49,6 +49,21 @@ pub fn workspace() -> Result<Workspace> {
     })
 }
 
+/// Takes a folder of results away, if it is there.
+///
+/// # Errors
+/// [`InputError`] for one that cannot be removed.
+pub fn clear(folder: &Path) -> Result<()> {
+    match std::fs::remove_dir_all(folder) {
+        Err(cause) if cause.kind() != std::io::ErrorKind::NotFound => {
+            let remedy = "take it away by hand";
+            let expected = format!("a folder that can be removed: {cause}");
+            Err(InputError::new("results", folder.display(), expected, remedy).into())
+        }
+        _ => Ok(()),
+    }
+}
+
 /// The files of a folder and of those in it, in their order.
 ///
 /// # Errors

@@ -123,11 +123,14 @@ const KEPT: usize = 128;
 
 /// Kernels between strips that were made, by the spacings of the grid, m, the lines of twice a strip's rectangle and the lines from one strip to the other; at most so
 /// many, of some hundred kilobytes each.
-static APART: Mutex<Vec<(Apart, Arc<Spectra<Complex<f64>>>)>> = Mutex::new(Vec::new());
+static APART: Mutex<Vec<(Apart, KernelsApart)>> = Mutex::new(Vec::new());
 const KEPT_APART: usize = 64;
 
 /// What kernels between strips depend on.
 type Apart = (Vector2<f64>, (usize, usize), isize);
+
+/// Transforms of the kernels between strips.
+type KernelsApart = Arc<Spectra<Complex<f64>>>;
 
 impl Convolution {
     /// That of a grid with spacings `cell` (m) over at least `extent` lines along the profile and the track. Grids of one spacing share it:
@@ -184,7 +187,7 @@ impl Convolution {
     }
 
     /// The kernels between places in two strips of lines, so many lines `apart`; `table` reaches over both.
-    fn kernels_apart(&self, apart: isize, table: &HatTable) -> Arc<Spectra<Complex<f64>>> {
+    fn kernels_apart(&self, apart: isize, table: &HatTable) -> KernelsApart {
         let known = || APART.lock().unwrap_or_else(PoisonError::into_inner);
         let key = (self.table.cell, self.padded, apart);
         if let Some((_, spectra)) = known().iter().find(|(of, _)| *of == key) {

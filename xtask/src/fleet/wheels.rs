@@ -12,7 +12,7 @@ use railspring_testing::Random;
 use railspring_testing::measured::{Dialect, Measured};
 use railspring_testing::shapes::{Point, worn_wheel};
 
-use super::unwritable;
+use super::files::unwritable;
 
 /// The dialects of the instruments.
 const DIALECTS: [Dialect; 5] =
