@@ -256,7 +256,7 @@ fn largest(checks: &[Check], problem: &str, quantity: &str) -> f64 {
 /// at most half of the difference, as of first order. Between meshes less far apart it need not shrink: the largest over
 /// the loads jumps where a node comes into contact (3.8e-4, 3.8e-4 and 1.0e-4 on 6, 4 and 3 mm).
 #[test]
-#[ignore = "half a minute: cargo long reference"]
+#[ignore = "a minute: cargo long reference"]
 fn another_contact_formulation_agrees_and_converges() {
     if !railspring_testing::python() {
         return;
