@@ -122,7 +122,7 @@ impl Fleet<'_> {
         let (code, used) = watched(&mut child).map_err(|cause| wrong(cause.to_string()))?;
         let seconds = begun.elapsed().as_secs_f64();
         match code {
-            // a broken file is a row of its own
+            // a broken file is reported in its rows
             Some(0 | 1) => {}
             None | Some(INTERRUPTED) => return Err(Error::Interrupted),
             Some(code) => return Err(wrong(format!("it ends with {code}")).into()),

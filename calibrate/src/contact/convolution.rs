@@ -183,7 +183,7 @@ impl Convolution {
 
     /// Transform of a kernel over the signed offsets.
     fn kernel(&self, of: impl Fn(&Kernels) -> f64) -> Spectrum {
-        self.kernel_over(0, of)
+        self.kernel_over((0, &self.table), 0, of)
     }
 
     /// The kernels between places in two strips of lines, so many lines `apart`; `table` reaches over both.
@@ -193,22 +193,12 @@ impl Convolution {
         if let Some((_, spectra)) = known().iter().find(|(of, _)| *of == key) {
             return spectra.clone();
         }
-        let (lines, columns) = self.padded;
-        let reach = ((lines / 2) as isize, (columns / 2) as isize);
-        let scale = 1.0 / (lines * columns) as f64;
-        let wrap = |offset: isize, size: usize| offset.rem_euclid(size as isize) as usize;
-        let offsets: Vec<_> =
-            (1 - reach.0..reach.0).flat_map(|i| (1 - reach.1..reach.1).map(move |k| (i, k))).collect();
-        let means: Vec<Kernels> = offsets.iter().map(|(i, k)| table.at((apart + i, *k))).collect();
-        let kernel = |of: &dyn Fn(&Kernels) -> f64| {
-            let places = offsets.iter().map(|(i, k)| (wrap(*i, lines), wrap(*k, columns)));
-            self.transform(places.zip(means.iter().map(|means| scale * of(means))))
-        };
+        let kernel = |of: fn(&Kernels) -> f64| self.kernel_over((apart, table), 0, of);
         let new = Arc::new(Spectra {
-            inverse: kernel(&|means| means.inverse),
-            across: kernel(&|means| means.across),
-            shear: kernel(&|means| means.shear),
-            gradient: [0, 1].map(|axis| kernel(&|means| means.gradient[axis])),
+            inverse: kernel(|means| means.inverse),
+            across: kernel(|means| means.across),
+            shear: kernel(|means| means.shear),
+            gradient: [kernel(|means| means.gradient[0]), kernel(|means| means.gradient[1])],
         });
         let mut known = known();
         if known.len() == KEPT_APART {
@@ -218,8 +208,14 @@ impl Convolution {
         new
     }
 
-    /// The same with so many lines more, 0 or 1, in either direction, which have the values before them.
-    fn kernel_over(&self, more: isize, of: impl Fn(&Kernels) -> f64) -> Spectrum {
+    /// Transform of a kernel of a `table` over the signed offsets between two strips of lines `apart`, with so many lines more, 0 or 1, in either direction, which
+    /// have the values before them.
+    fn kernel_over(
+        &self,
+        (apart, table): (isize, &HatTable),
+        more: isize,
+        of: impl Fn(&Kernels) -> f64,
+    ) -> Spectrum {
         let (lines, columns) = self.padded;
         let reach = ((lines / 2) as isize, (columns / 2) as isize);
         let scale = 1.0 / (lines * columns) as f64;
@@ -227,8 +223,8 @@ impl Convolution {
         let offsets =
             (1 - reach.0..reach.0 + more).flat_map(|i| (1 - reach.1..reach.1 + more).map(move |k| (i, k)));
         self.transform(offsets.map(|(i, k)| {
-            let known = (i.min(reach.0 - 1), k.min(reach.1 - 1));
-            ((wrap(i, lines), wrap(k, columns)), scale * of(&self.table.at(known)))
+            let known = (apart + i.min(reach.0 - 1), k.min(reach.1 - 1));
+            ((wrap(i, lines), wrap(k, columns)), scale * of(&table.at(known)))
         }))
     }
 
@@ -287,10 +283,8 @@ impl Convolution {
         sum: &mut [Complex<f64>],
     ) {
         let kernels = self.kernels_apart(apart, table);
-        let count = self.mirrored().frequencies();
-        let all = spectrum.chunks_exact(count).zip(sum.chunks_exact_mut(count));
-        for (k, (spectrum, sum)) in all.enumerate() {
-            kernels.add(factors, directions, (k * self.padded.0, turns(directions)), spectrum, sum);
+        for (first, spectrum, sum) in self.by_frequency(spectrum, sum) {
+            kernels.add(factors, directions, (first, turns(directions)), spectrum, sum);
         }
     }
 
@@ -308,9 +302,18 @@ impl Convolution {
         sum: &mut [Complex<f64>],
     ) {
         let kernel = self.spectra.of(factors, (to, from)).turned(turns((to, from)));
-        let count = self.mirrored().frequencies();
+        self.by_frequency(spectrum, sum).for_each(|(first, spectrum, sum)| kernel.add(first, spectrum, sum));
+    }
+
+    /// Two spectra of mirror images by their frequencies along the track, each with where its kernels begin.
+    fn by_frequency<'s>(
+        &self,
+        spectrum: &'s [Complex<f64>],
+        sum: &'s mut [Complex<f64>],
+    ) -> impl Iterator<Item = (usize, &'s [Complex<f64>], &'s mut [Complex<f64>])> {
+        let (count, lines) = (self.mirrored().frequencies(), self.padded.0);
         let all = spectrum.chunks_exact(count).zip(sum.chunks_exact_mut(count));
-        all.enumerate().for_each(|(k, (spectrum, sum))| kernel.add(k * self.padded.0, spectrum, sum));
+        all.enumerate().map(move |(k, (spectrum, sum))| (k * lines, spectrum, sum))
     }
 
     /// As [`Self::divide`], of a spectrum of mirror images.
@@ -337,8 +340,8 @@ impl Convolution {
         let [kernel, across] = self.repeated.get_or_init(|| {
             let real = |kernel: Spectrum| kernel.iter().map(|z| z.re).collect();
             [
-                real(self.kernel_over(1, |means| means.inverse)),
-                real(self.kernel_over(1, |means| means.across)),
+                real(self.kernel_over((0, &self.table), 1, |means| means.inverse)),
+                real(self.kernel_over((0, &self.table), 1, |means| means.across)),
             ]
         });
         let Factors { inverse, tangential, .. } = *factors;

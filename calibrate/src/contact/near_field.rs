@@ -378,7 +378,7 @@ mod tests {
     use super::*;
 
     /// Source: the half-spaces as a dense matrix. Goal: products and look-ups of points in strips far apart are those of the matrix; those of
-    /// half of a mirror image are those of the whole; each strip has an inverse of its own. Accuracy over the largest: ROUNDOFF; of the inverse, BEYOND.
+    /// half of a mirror image are those of the whole. The approximate inverse of a strip moves no other. Accuracy over the largest: ROUNDOFF, and BEYOND for the inverse.
     #[test]
     fn products_pass_over_empty_lines() {
         const ROUNDOFF: f64 = 1e-11;
