@@ -110,7 +110,11 @@ fn memory_gib(text: &str) -> Option<f64> {
 
 /// Largest resident memory since the last reset, MiB.
 fn peak_memory_mib() -> Option<f64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    peak_in(&std::fs::read_to_string("/proc/self/status").ok()?)
+}
+
+/// Largest resident memory by the `/proc/PID/status` of a process, MiB.
+pub fn peak_in(status: &str) -> Option<f64> {
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     let kib: f64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
     Some(kib / 1024.0)

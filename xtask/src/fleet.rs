@@ -9,7 +9,7 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use railspring::cli::output::say;
-use railspring::engine::measure::{machine, now_utc};
+use railspring::engine::measure::{machine, now_utc, peak_in};
 use railspring::engine::output::OutputFolder;
 use railspring_profiles::error::{Error, InputError, Result};
 
@@ -154,20 +154,13 @@ fn watched(child: &mut Child) -> std::io::Result<(Option<i32>, Used)> {
     let folder = PathBuf::from(format!("/proc/{}", child.id()));
     loop {
         let read = |file: &str| std::fs::read_to_string(folder.join(file)).unwrap_or_default();
-        used.memory_mib = peak(&read("status")).or(used.memory_mib);
+        used.memory_mib = peak_in(&read("status")).or(used.memory_mib);
         used.seconds = processor_time(&read("stat")).or(used.seconds);
         if let Some(status) = child.try_wait()? {
             return Ok((status.code(), used));
         }
         std::thread::sleep(PAUSE);
     }
-}
-
-/// Largest resident memory by `/proc/PID/status`, MiB.
-fn peak(status: &str) -> Option<f64> {
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
-    let kib: f64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
-    Some(kib / 1024.0)
 }
 
 /// User and system time by `/proc/PID/stat`, s: fields 14 and 15, of which the second stands in brackets.
@@ -191,6 +184,6 @@ mod tests {
         let stat = "42 (a) b (c) S 1 42 42 0 -1 4194304 100 0 0 0 250 50 7 8 20 0 3 0 1000 1 1";
         assert_eq!(processor_time(stat), Some(3.0));
         assert_eq!(processor_time(""), None);
-        assert_eq!(peak("VmPeak:\t 9 kB\nVmHWM:\t 2048 kB\n"), Some(2.0));
+        assert_eq!(peak_in("VmPeak:\t 9 kB\nVmHWM:\t 2048 kB\n"), Some(2.0));
     }
 }
