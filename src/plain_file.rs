@@ -4,25 +4,30 @@ use std::fs::{File, Metadata, OpenOptions};
 use std::io::{Error, ErrorKind, Read, Result, Write};
 use std::path::Path;
 
-/// Opens a regular file with `options`; no link is followed.
+/// Replacements of a file that [`open`] sits out, each between its look at the name and its opening of it.
+const REPLACEMENTS: usize = 100;
+
+/// Opens a regular file with `options`; no link is followed. A file that another process replaces at the same time is opened as it is afterwards.
 ///
 /// # Errors
-/// What the system says; a link, a folder, a device, a pipe or a socket.
+/// What the system says; a link, a folder, a device, a pipe or a socket; a file that is replaced at each of 100 tries.
 pub(crate) fn open(path: &Path, options: &OpenOptions) -> Result<File> {
-    let before = path.symlink_metadata()?;
     let other = |what: &str| Error::new(ErrorKind::InvalidInput, format!("it is {what}, not a regular file"));
-    if before.is_symlink() {
-        return Err(other("a link"));
+    for _ in 0..REPLACEMENTS {
+        let before = path.symlink_metadata()?;
+        if before.is_symlink() {
+            return Err(other("a link"));
+        }
+        // before it is opened: opening a pipe waits for somebody at its other end
+        if !before.is_file() {
+            return Err(other("a folder, a device, a pipe or a socket"));
+        }
+        let file = options.open(path)?;
+        if is_same(&before, &file.metadata()?) {
+            return Ok(file);
+        }
     }
-    // before it is opened: opening a pipe waits for somebody at its other end
-    if !before.is_file() {
-        return Err(other("a folder, a device, a pipe or a socket"));
-    }
-    let file = options.open(path)?;
-    match is_same(&before, &file.metadata()?) {
-        true => Ok(file),
-        false => Err(other("another one than a moment before")),
-    }
+    Err(Error::new(ErrorKind::ResourceBusy, "others replace it again and again"))
 }
 
 /// Content of a regular file.
@@ -103,5 +108,18 @@ mod tests {
         write(&at("link"), b"own").unwrap();
         assert_eq!(std::fs::read(at("target")).unwrap(), b"a user's");
         assert_eq!(read(&at("link")).unwrap(), b"own");
+    }
+    /// Goal: a file that another thread replaces all the time is read whole, each time.
+    #[test]
+    fn a_file_that_is_replaced_is_read() {
+        let place = tempfile::tempdir().unwrap();
+        let path = place.path().join("file");
+        write(&path, b"whole").unwrap();
+        std::thread::scope(|scope| {
+            let writer = scope.spawn(|| (0..3000).for_each(|_| write(&path, b"whole").unwrap()));
+            while !writer.is_finished() {
+                assert_eq!(read(&path).unwrap(), b"whole");
+            }
+        });
     }
 }
