@@ -8,4 +8,4 @@ Modules in the order of use: ``ordering``, ``factor``, ``body``, ``exchange``,
 ``surface``, ``contact``, ``run``; and ``mesh_in``, which reads mesh files for the tool.
 """
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
