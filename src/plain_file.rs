@@ -109,6 +109,7 @@ mod tests {
         assert_eq!(std::fs::read(at("target")).unwrap(), b"a user's");
         assert_eq!(read(&at("link")).unwrap(), b"own");
     }
+
     /// Goal: a file that another thread replaces all the time is read whole, each time.
     #[test]
     fn a_file_that_is_replaced_is_read() {

@@ -1,18 +1,15 @@
 //! The folders of a fleet.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use railspring_profiles::error::InputError;
 
-/// Bytes of all files in a folder.
+use crate::workspace::files_below;
+
+/// Bytes of all files in a folder; none of one that cannot be read.
 pub fn size(folder: &Path) -> u64 {
-    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
-    let of = |entry: std::fs::DirEntry| match entry.metadata() {
-        Ok(data) if data.is_dir() => size(&entry.path()),
-        Ok(data) => data.len(),
-        Err(_) => 0,
-    };
-    entries.map(of).sum()
+    let of = |path: &PathBuf| path.symlink_metadata().map_or(0, |data| data.len());
+    files_below(folder).unwrap_or_default().iter().map(of).sum()
 }
 
 /// The refusal of a path that cannot be written.
