@@ -41,7 +41,8 @@ fn number(value: &Value) -> f64 {
 /// Source: the counts of the meshes and factors, and the peak of the resident memory. Goal: a sweep of two sizes has both near the wanted
 /// degrees of freedom, all stages of each body, exponents, a table with a row for every stage, and a figure with axes. Bodies that
 /// grow have more values, and more of them than they have equations. Accuracy: DISCRETISATION, rings and layers are whole numbers, and held
-/// nodes, two of some thirty sections of the rail and the bore, are no equations: 10 %; MODEL, the predicted memory: 0.35, of a program of a hundred mebibytes.
+/// nodes, two of some thirty sections of the rail and the bore, are no equations: 10 %; MODEL, the predicted memory of the first size: 0.35, of a program of
+/// seventy mebibytes. The second size takes more of what the allocator has kept of the first or less, so that its prediction only bounds it from above.
 #[test]
 fn a_sweep_writes_its_sizes_their_exponents_and_a_figure() {
     const DISCRETISATION: f64 = 0.1;
@@ -60,7 +61,7 @@ fn a_sweep_writes_its_sizes_their_exponents_and_a_figure() {
     let sizes = found["sizes"].as_array().unwrap();
     assert_eq!((sizes.len(), found["skipped"].as_array().unwrap().len()), (2, 0));
     let mut rows = 0;
-    for (size, wanted) in sizes.iter().zip([24e3, 30e3]) {
+    for (n, (size, wanted)) in sizes.iter().zip([24e3, 30e3]).enumerate() {
         let all = number(&size["degrees_of_freedom"]);
         assert!((all / wanted - 1.0).abs() < DISCRETISATION, "{all} of {wanted}");
         let bodies = size["bodies"].as_array().unwrap();
@@ -86,7 +87,7 @@ fn a_sweep_writes_its_sizes_their_exponents_and_a_figure() {
         if cfg!(target_os = "linux") {
             let memory = &size["memory"];
             let ratio = number(&memory["predicted_mib"]) / number(&memory["found_mib"]);
-            assert!((ratio - 1.0).abs() < MODEL, "{memory}");
+            assert!(ratio > 1.0 - MODEL && (n > 0 || ratio < 1.0 + MODEL), "{memory}");
         }
     }
     let values = |size: &Value| number(&size["bodies"][1]["factor_values"]);

@@ -183,6 +183,8 @@ fn words(line: &str) -> Vec<&str> {
 
 /// What is wrong with the words after a program: a name or an option that it does not have.
 fn fault(words: &[&str], program: &Command) -> Option<String> {
+    // what follows `--` is for another program
+    let words = words.split(|word| *word == "--").next()?;
     let mut command = program;
     for word in words.iter().take_while(|word| !word.starts_with('-')) {
         // `profile show`, but `run STUDY`
