@@ -165,45 +165,50 @@ fn a_file_that_is_named_is_refused() {
     assert!(mistakes.contains("wheel[0].profile_file"), "{mistakes}");
 }
 
-/// Goal: the wheels of a folder are pressed on one wheel and one rail, those of their standards, which the store keeps alone; what that changes is within the band of the rows.
-/// Source: the same table with `bodies = "own"`. Accuracy: the band, and GRID for the tangent, which is noisy where a contact begins.
+/// Goal: the wheels of a folder are pressed on the wheel of their standard, and on the rail of the table, whether that is a standard one or was measured; the store keeps these alone.
+/// What that changes is within the band of the rows. Source: the same table with `bodies = "own"`. Accuracy: the band, and GRID for the tangent, which is noisy where a contact begins.
 #[test]
 fn the_wheels_of_a_folder_share_their_bodies() {
     const GRID: f64 = 0.5e-2;
-    let place = fleet(TABLE);
-    let run = |table: &str, out: &str| -> Vec<BTreeMap<String, String>> {
-        place.write("one.toml", table);
-        let (code, said) = place.run(&["table", "one.toml", "-o", out]);
-        assert_eq!(code, Some(1), "{said}");
-        let rows = csv::Reader::from_path(place.path(out).join("table.csv"));
-        rows.unwrap().deserialize().map(Result::unwrap).collect()
-    };
-    let shared = run(TABLE, "shared");
-    let kept = std::fs::read_dir(place.path("cache/store")).unwrap();
-    let of_bodies =
-        kept.filter(|entry| entry.as_ref().unwrap().file_name().to_string_lossy().starts_with("body-"));
-    let of_bodies = of_bodies.count();
-    assert!(
-        (2..=4).contains(&of_bodies),
-        "{of_bodies} bodies: a wheel and a rail, and those of coarser elements"
-    );
-    let own = run(&TABLE.replace("shifts_mm", "bodies = \"own\"\nshifts_mm"), "own");
-    let number = |row: &BTreeMap<String, String>, column: &str| row[column].parse::<f64>().unwrap();
-    for (shared, own) in shared.iter().zip(&own).filter(|(shared, _)| shared["status"] == "complete") {
-        assert_eq!((shared["bodies"].as_str(), own["bodies"].as_str()), ("nominal", "own"));
-        assert!(number(shared, "off_bodies_mm") > 0.5 && own["off_bodies_mm"].is_empty());
-        for (value, band, grid) in [
-            ("displacement_mm_at_20kn", "displacement_rel_bodies_band", 0.0),
-            ("stiffness_kn_per_m_at_20kn", "stiffness_rel_bodies_band", GRID),
-            ("horizontal_kn_per_m_at_20kn", "horizontal_rel_bodies_band", 0.0),
-        ] {
-            let change = number(own, value) / number(shared, value) - 1.0;
-            assert!(change.abs() < number(shared, band) + grid, "{value}: {change}");
-            assert!(change != 0.0, "{value} is that of other bodies");
-        }
-        // what is read off the profile does not depend on them
-        for column in ["wheel_flange_height_mm", "wheel_hollow_mm", "conicity_at_3mm", "rolling_radius_mm"] {
-            assert!((number(own, column) - number(shared, column)).abs() < 1e-9, "{column}");
+    let worn_rail = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/profiles/worn-60e1.prr");
+    let measured = TABLE.replace("profile = \"60E1\"", &format!("profile_file = {worn_rail:?}"));
+    for (table, rail) in [(TABLE, "60E1"), (&*measured, "worn-60e1")] {
+        let place = fleet(table);
+        let run = |table: &str, out: &str| -> Vec<BTreeMap<String, String>> {
+            place.write("one.toml", table);
+            let (code, said) = place.run(&["table", "one.toml", "-o", out]);
+            assert_eq!(code, Some(1), "{said}");
+            let rows = csv::Reader::from_path(place.path(out).join("table.csv"));
+            rows.unwrap().deserialize().map(Result::unwrap).collect()
+        };
+        let shared = run(table, "shared");
+        let names =
+            std::fs::read_dir(place.path("cache/store")).unwrap().map(|entry| entry.unwrap().file_name());
+        let of_bodies = names.filter(|name| name.to_string_lossy().starts_with("body-")).count();
+        assert!(
+            (2..=4).contains(&of_bodies),
+            "{rail}: {of_bodies} bodies: a wheel and a rail, and those of coarser elements"
+        );
+        let own = run(&table.replace("shifts_mm", "bodies = \"own\"\nshifts_mm"), "own");
+        let number = |row: &BTreeMap<String, String>, column: &str| row[column].parse::<f64>().unwrap();
+        for (shared, own) in shared.iter().zip(&own).filter(|(shared, _)| shared["status"] == "complete") {
+            assert_eq!((shared["bodies"].as_str(), own["bodies"].as_str()), ("nominal-wheels", "own"));
+            assert!(number(shared, "off_bodies_mm") > 0.5 && own["off_bodies_mm"].is_empty());
+            for (value, band, grid) in [
+                ("displacement_mm_at_20kn", "displacement_rel_bodies_band", 0.0),
+                ("stiffness_kn_per_m_at_20kn", "stiffness_rel_bodies_band", GRID),
+                ("horizontal_kn_per_m_at_20kn", "horizontal_rel_bodies_band", 0.0),
+            ] {
+                let change = number(own, value) / number(shared, value) - 1.0;
+                assert!(change.abs() < number(shared, band) + grid, "{rail}: {value}: {change}");
+                assert!(change != 0.0, "{rail}: {value} is that of other bodies");
+            }
+            // what is read off the profile does not depend on them
+            for column in
+                ["wheel_flange_height_mm", "wheel_hollow_mm", "conicity_at_3mm", "rolling_radius_mm"]
+            {
+                assert!((number(own, column) - number(shared, column)).abs() < 1e-9, "{column}");
+            }
         }
     }
 }
@@ -236,7 +241,7 @@ fn wheels_have_the_diameters_of_their_list() {
     let own = run(&table.replace("shifts_mm", "bodies = \"own\"\nshifts_mm"));
     let number = |row: &BTreeMap<String, String>, column: &str| row[column].parse::<f64>().unwrap();
     for (radius, (shared, own)) in [421.0, 426.75, 429.0].iter().zip(shared.iter().zip(&own)) {
-        assert_eq!(shared["bodies"], "nominal");
+        assert_eq!(shared["bodies"], "nominal-wheels");
         assert!((number(shared, "rolling_radius_mm") - radius).abs() < 1.0, "{radius}");
         assert!((0.5..4.0).contains(&number(shared, "off_bodies_mm")), "{radius}");
         for (value, band, grid) in [

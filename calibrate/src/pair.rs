@@ -35,7 +35,7 @@ pub use error_band::{
     BandPoint, COARSER, Change, Changed, Changes, ErrorBand, FIXED_LOADS_CHANGED, LOADS_COARSER,
     LOADS_HALVED, Solid, SolidPoints, changed_by_shift, error_bands, spread,
 };
-pub use geometry::{Pair, PairMeshes};
+pub use geometry::{OffBodies, Pair, PairMeshes};
 pub use horizontal_band::horizontal_changes;
 pub use references::ByReference;
 pub use series_beam::SeriesBeam;

@@ -36,7 +36,8 @@ pub struct TableDocument {
     /// Along what the wheel is pressed.
     #[serde(default)]
     pub direction: DirectionKey,
-    /// Whose bodies measured profiles are pressed on; left out, `nominal` for a table with a `folder`, `own` for others.
+    /// Whose bodies measured profiles are pressed on; left out, `nominal` for a table with a `folder` of rails, `nominal-wheels` for one with a `folder` of
+    /// wheels alone, `own` for others.
     #[serde(default)]
     pub bodies: Option<BodiesKey>,
     /// Loads along that direction at which displacement and stiffness have columns, kN, ascending, within the range of the loads of the study.
@@ -95,6 +96,8 @@ pub enum BodiesKey {
     /// Those of their standards, whose contact nodes are moved to the measured surface: condensed once, whatever the number of files. A surface that is more than 4 mm
     /// off them has its own.
     Nominal,
+    /// Measured wheels on those of their standards, and measured rails on their own: for thousands of wheels on a few rails.
+    NominalWheels,
     /// Their own, meshed and condensed for every profile.
     Own,
 }
@@ -102,16 +105,35 @@ pub enum BodiesKey {
 impl TableDocument {
     /// Whose bodies its measured profiles are pressed on.
     pub fn bodies(&self) -> BodiesKey {
-        let folder = self.wheel.iter().chain(&self.rail).any(|keys| keys.contains_key("folder"));
-        self.bodies.unwrap_or(if folder { BodiesKey::Nominal } else { BodiesKey::Own })
+        let folder = |list: &[Keys]| list.iter().any(|keys| keys.contains_key("folder"));
+        self.bodies.unwrap_or(match (folder(&self.wheel), folder(&self.rail)) {
+            (_, true) => BodiesKey::Nominal,
+            (true, false) => BodiesKey::NominalWheels,
+            (false, false) => BodiesKey::Own,
+        })
     }
 }
 
+/// Which measured profiles are pressed on bodies of their standards.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shared {
+    /// Those of rails.
+    pub rail: bool,
+    /// Those of wheels.
+    pub wheel: bool,
+}
+
 impl BodiesKey {
+    /// Whether a measured rail and a measured wheel are pressed on bodies of their standards.
+    pub fn shared(self) -> Shared {
+        Shared { rail: self == Self::Nominal, wheel: self != Self::Own }
+    }
+
     /// Its name in rows.
     pub fn name(self) -> &'static str {
         match self {
             Self::Nominal => "nominal",
+            Self::NominalWheels => "nominal-wheels",
             Self::Own => "own",
         }
     }

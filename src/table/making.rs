@@ -204,7 +204,8 @@ impl CaseWork<'_> {
         match sharing.on(self.study, &nominals) {
             Ok(on_bodies) => {
                 let own = is_checked(&key(&self.study.statics())).then(|| self.without_band()).transpose()?;
-                let bodies = Some(BodiesRecord::off(on_bodies.geometry.pair.off_bodies, ready.len() > 1));
+                let off = on_bodies.geometry.pair.off_bodies;
+                let bodies = Some(BodiesRecord::off(self.settings.bodies, off, ready.len() > 1));
                 Ok(Ready { own, bodies, ..Ready::new(self.study, ready[0].room, on_bodies) })
             }
             // another inclination, worn too far, or wheels with other nodes
@@ -404,11 +405,12 @@ impl CaseWork<'_> {
         };
         let at = press(&ready.on_bodies, true)?;
         let mut record_of_bodies = ready.bodies.clone();
-        if let (Some(own), Some(BodiesRecord { carried: Some(carried), .. })) =
-            (&ready.own, &mut record_of_bodies)
-        {
+        if let Some(BodiesRecord { carried: Some(carried), .. }) = &mut record_of_bodies {
             let reference = Reference::from(study.calibration.reference).name();
-            carried.own = Some(OwnRecord::of(&at, &press(own, false)?, reference));
+            *carried = carried.clone().at(&at, reference);
+            if let Some(own) = &ready.own {
+                carried.own = Some(OwnRecord::of(&at, &press(own, false)?, reference));
+            }
         }
         let record = PlaceRecord {
             rolling_radius_mm: at
@@ -453,7 +455,8 @@ impl CaseWork<'_> {
     /// Whether the store keeps the bodies of the case: there are as many of measured profiles as files.
     fn keeps_bodies(&self) -> bool {
         let Study { rail, wheel, .. } = self.study;
-        self.settings.bodies == BodiesKey::Own || (rail.measured.is_none() && wheel.measured.is_none())
+        let shared = self.settings.bodies.shared();
+        !(shared.rail && rail.measured.is_some() || shared.wheel && wheel.measured.is_some())
     }
 
     fn source(&self, room: Room) -> BodySource<'_> {

@@ -145,8 +145,9 @@ impl<'a> Places<'a> {
         let bodies = |part: usize| {
             let of = |case: &usize| {
                 let Case { study, parts, .. } = &self.table.cases[*case];
-                match shares(study, self.table.document.bodies()) {
-                    true => nominals(study)
+                let whose = self.table.document.bodies();
+                match shares(study, whose) {
+                    true => nominals(study, whose)
                         .iter()
                         .map(|nominal| (parts_of(&nominal.statics())[part].clone(), true))
                         .collect(),

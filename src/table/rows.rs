@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::axle::{self, AxleConicity};
+use super::carried::{CarriedRecord, near};
 use super::cases::{Case, Table};
 use super::making::{PlaceRecord, is_uncertain};
 use super::places::Place;
@@ -263,7 +264,7 @@ impl Row {
             let carried = bodies.and_then(|bodies| bodies.carried.as_ref());
             self.put("off_bodies_mm", carried.map(|carried| carried.off_mm));
             self.put("displacement_rel_bodies_band", carried.map(|carried| carried.displacement_rel_band));
-            self.put("stiffness_rel_bodies_band", carried.map(|carried| carried.tangent_rel_band));
+            self.put("stiffness_rel_bodies_band", carried.map(CarriedRecord::largest_tangent_band));
             self.put("horizontal_rel_bodies_band", carried.map(|carried| carried.horizontal_rel_band));
             let own = carried.and_then(|carried| carried.own);
             self.put("displacement_rel_own_bodies", own.map(|own| own.displacement));
@@ -303,7 +304,7 @@ impl Row {
         let local = with(railspring_calibrate::calibration::Reference::Local.name());
         let band = at.and_then(|at| record.at.band(reference(case), at.force_kn));
         let carried = record.bodies.as_ref().and_then(|bodies| bodies.carried.as_ref());
-        let of_bodies = carried.map_or(0.0, |carried| carried.tangent_rel_band);
+        let of_bodies = carried.map_or(0.0, |carried| carried.tangent_band(load_kn));
         let number = loads.iter().position(|load| *load == load_kn);
         let hertz = number.and_then(|number| record.hertz_kn_per_m.get(number).copied());
         let share = at.and_then(|at| Some(at.lateral_contact_um_per_kn? * 1e-6 * at.horizontal_kn_per_m));
@@ -342,9 +343,4 @@ impl Row {
         let values = [wheel, rail, settings, env!("CARGO_PKG_VERSION")];
         INPUTS.into_iter().zip(values).for_each(|((name, _), value)| self.put(name, value));
     }
-}
-
-/// Whether a load is one of the table's, which went through newtons.
-fn near(force_kn: f64, load_kn: f64) -> bool {
-    (force_kn - load_kn).abs() <= 1e-9 * load_kn
 }

@@ -44,12 +44,13 @@ pub(super) struct OnBodies {
     pub coarser: Option<(f64, CoarserBodies)>,
 }
 
-/// Whether a study has measured surfaces on bodies of standards, and its table wants those of the standards.
+/// Whether a study has measured surfaces that its table wants on the bodies of their standards.
 pub(super) fn shares(study: &Study, bodies: BodiesKey) -> bool {
     let Study { rail, wheel, .. } = study;
-    let measured = rail.measured.is_some() || wheel.measured.is_some();
+    let shared = bodies.shared();
+    let measured = shared.rail && rail.measured.is_some() || shared.wheel && wheel.measured.is_some();
     let drawn = rail.section.is_some() || wheel.section.is_some() || rail.body.is_some();
-    bodies == BodiesKey::Nominal && measured && !drawn && study.statics().meshes_are_ours()
+    measured && !drawn && study.statics().meshes_are_ours()
 }
 
 /// Diameters of the nominal wheels that measured ones are pressed on are multiples of this, m.
@@ -59,14 +60,21 @@ const DIAMETERS_APART: f64 = 0.02;
 /// Diameters that are the same, m: rounding.
 const SAME_DIAMETER: f64 = 1e-9;
 
-/// Studies without measured surfaces, whose bodies carry those of a study: one, or two with the diameters next to that of a wheel whose own was measured.
+/// Studies whose bodies carry the measured surfaces of a study that its table wants on the bodies of standards: one, or two with the diameters next to that of a wheel whose own was measured.
 /// Where the study does not name its standards, these are missing. The contact zones go down as far as those of measured profiles.
-pub(super) fn nominals(study: &Study) -> Vec<Study> {
+pub(super) fn nominals(study: &Study, bodies: BodiesKey) -> Vec<Study> {
     let mut nominal = study.clone();
-    nominal.mesh.rail_zone.face_depth += DEEPER;
-    (nominal.rail.measured, nominal.wheel.measured) = (None, None);
+    let shared = bodies.shared();
+    // measured rails have deeper zones themselves
+    if shared.rail || study.rail.measured.is_none() {
+        nominal.mesh.rail_zone.face_depth += DEEPER;
+        nominal.rail.measured = None;
+    }
+    if shared.wheel {
+        nominal.wheel.measured = None;
+    }
     let diameters = match study.wheel.measured {
-        Some(_) if study.wheel.diameter_measured => {
+        Some(_) if shared.wheel && study.wheel.diameter_measured => {
             next_to(study.wheel.tape_diameter, study.wheel.new_diameter.unwrap_or(f64::INFINITY))
         }
         _ => vec![study.wheel.tape_diameter],
@@ -109,14 +117,14 @@ impl Sharing {
             return Ok(None);
         }
         let surfaces = Surfaces::read(study.statics())?;
-        let mut nominals = nominals(study);
+        let mut nominals = nominals(study, bodies);
         let bases = [surfaces.rail.assumed.as_ref(), surfaces.wheel.assumed.as_ref()];
         let [of_rail, of_wheel] = bases.map(|assumed| assumed.map(|assumed| assumed.base.clone()));
         for nominal in &mut nominals {
-            if rail.measured.is_some() {
+            if rail.measured.is_some() && nominal.rail.measured.is_none() {
                 nominal.rail.profile.clone_from(&of_rail);
             }
-            if wheel.measured.is_some() {
+            if wheel.measured.is_some() && nominal.wheel.measured.is_none() {
                 nominal.wheel.profile.clone_from(&of_wheel);
             }
         }

@@ -114,7 +114,7 @@ impl Package {
             let study = &table.cases[number].study;
             if shares(study, bodies) {
                 let keys: Vec<String> =
-                    nominals(study).iter().map(|nominal| key(&nominal.statics())).collect();
+                    nominals(study, bodies).iter().map(|nominal| key(&nominal.statics())).collect();
                 alike.entry(keys.concat()).or_default().push(number);
             } else {
                 groups.push(vec![number]);

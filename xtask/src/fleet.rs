@@ -32,7 +32,6 @@ const RECORD: &str = "fleet.json";
 const TEXT: &str = r#"name = "fleet"
 shifts_mm = [-4, -2, 0, 2, 4]
 stiffness_at_kn = [20, 60, 100]
-bodies = "nominal"
 
 [study.calibration]
 loads_kn = [10, 20, 40, 60, 80, 100]

@@ -36,7 +36,11 @@ impl Pair {
         let off = nodes.map(|node| self.off_surface(body, node)).fold(0.0, f64::max);
         let centre = condensed.section.as_ref().map(|section| section.shear_centre);
         let off_axis = centre.map_or(0.0, |centre| (centre - self.node_line()).norm());
-        if off <= OFF_SURFACE + self.off_bodies && off_axis <= OFF_AXIS + self.off_bodies {
+        let allowed = match body {
+            PairBody::Wheel => self.off_bodies.wheel,
+            PairBody::RailOnFoot | PairBody::RailOnEnds => self.off_bodies.rail,
+        };
+        if off <= OFF_SURFACE + allowed && off_axis <= OFF_AXIS + allowed {
             return Ok(());
         }
         let what = match (&condensed.file, &*condensed.of) {
@@ -44,7 +48,7 @@ impl Pair {
             (None, "") => format!("a body of no pair, key {}", condensed.key),
             (None, of) => of.into(),
         };
-        let where_it_is = if off > OFF_SURFACE + self.off_bodies {
+        let where_it_is = if off > OFF_SURFACE + allowed {
             format!("contact nodes up to {:.2} mm off its running surface", off / MILLIMETRE)
         } else {
             format!("its shear centre {:.2} mm off", off_axis / MILLIMETRE)

@@ -27,8 +27,25 @@ pub struct Pair {
     pub tape_y: f64,
     /// Where the lowered wheel first touches.
     pub touch: Touch,
-    /// How far the surfaces may lie off their bodies, m: 0 but where they depart from them ([`Departure`](crate::uncertainty::Departure)).
-    pub off_bodies: f64,
+    /// How far the surfaces may lie off their bodies: not at all but on bodies of others ([`Pair::carry`]), and where they depart from them
+    /// ([`Departure`](crate::uncertainty::Departure)).
+    pub off_bodies: OffBodies,
+}
+
+/// How far surfaces may lie off the contact nodes of their bodies, m.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct OffBodies {
+    /// That of the rail.
+    pub rail: f64,
+    /// That of the wheel.
+    pub wheel: f64,
+}
+
+impl OffBodies {
+    /// Both farther by so much, m.
+    pub(crate) fn farther(&self, by: f64) -> Self {
+        Self { rail: self.rail + by, wheel: self.wheel + by }
+    }
 }
 
 /// The meshes of both bodies.
@@ -50,7 +67,16 @@ impl Pair {
         let tape_y = track.tape_y(&wheel.running);
         let touch = touch(&placed, &wheel.running, tape_y)?;
         let RailAnalysis { properties, stresses: shear_stresses } = rail_analysis(&rail)?;
-        Ok(Self { rail, wheel, properties, shear_stresses, placed, tape_y, touch, off_bodies: 0.0 })
+        Ok(Self {
+            rail,
+            wheel,
+            properties,
+            shear_stresses,
+            placed,
+            tape_y,
+            touch,
+            off_bodies: OffBodies::default(),
+        })
     }
 
     /// The same two sections with the wheel's tape circle at another lateral world position (m): the sections and the rail's place

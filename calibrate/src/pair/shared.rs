@@ -2,7 +2,7 @@
 //! millimetre of wear changes by per cents. The wheel of a diameter stands between those of two others.
 
 use super::bodies::CondensedPair;
-use super::geometry::Pair;
+use super::geometry::{OffBodies, Pair};
 use super::solids::PairBody;
 use crate::mesh::SurfaceGrid;
 use crate::superelement::CondensedBody;
@@ -48,10 +48,10 @@ impl Pair {
         }
         let moved = pair.node_line() - self.node_line();
         let moved = Vector3::new(0.0, moved.x, moved.y);
-        let mut off: f64 = 0.0;
+        let mut off_rail: f64 = 0.0;
         let mut on_rail = |body: &CondensedBody, what: PairBody| -> Result<CondensedBody> {
             let (grid, away) = remapped(&body.grid, [&self.rail.running, &pair.rail.running], 1.0, what)?;
-            off = off.max(away);
+            off_rail = off_rail.max(away);
             let nodes = body.nodes.iter().map(|node| node + moved).collect();
             let section = body.section.as_ref().map(|section| section.moved_by(moved.yz()));
             Ok(CondensedBody { grid, nodes, section, ..body.clone() })
@@ -63,7 +63,8 @@ impl Pair {
         let curves = [&self.wheel.running, &pair.wheel.running];
         let (grid, away) = remapped(&bodies.wheel.grid, curves, radii, PairBody::Wheel)?;
         let wheel = CondensedBody { grid, ..bodies.wheel.clone() };
-        let off_bodies = off.max(away).max((self.wheel.radius - pair.wheel.radius).abs());
+        let off_wheel = away.max((self.wheel.radius - pair.wheel.radius).abs());
+        let off_bodies = OffBodies { rail: off_rail, wheel: off_wheel };
         Ok((Self { off_bodies, ..pair }, bodies.with_bodies(wheel, rail_on_ends, rail_on_foot)))
     }
 }

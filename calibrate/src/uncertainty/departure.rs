@@ -75,8 +75,8 @@ impl Departure {
             radius: pair.wheel.radius + self.radius,
             ..pair.wheel.clone()
         };
-        let off = pair.off_bodies + off;
-        Ok(Pair { off_bodies: off, ..pair.with_surfaces_at(rail, wheel, track, pair.tape_y + self.lateral)? })
+        let off_bodies = pair.off_bodies.farther(off);
+        Ok(Pair { off_bodies, ..pair.with_surfaces_at(rail, wheel, track, pair.tape_y + self.lateral)? })
     }
 
     /// How far the surfaces lie off the bodies, m: the ends of the running surfaces and the rail's shear centre turn most.

@@ -159,7 +159,7 @@ pub struct FixedLoadRecord {
     pub semi_axis_along_mm: f64,
     /// Semi-axis of the patch across, mm.
     pub semi_axis_across_mm: f64,
-    /// Largest von Mises stress below the patch, MPa, of a half-space; none in a table with `bodies = "nominal"`, and for a contact between elements, which do not resolve it.
+    /// Largest von Mises stress below the patch, MPa, of a half-space; none in a table without `bodies = "own"`, and for a contact between elements, which do not resolve it.
     pub max_von_mises_mpa: Option<f64>,
     /// Its depth, mm.
     pub von_mises_depth_mm: Option<f64>,
@@ -167,7 +167,7 @@ pub struct FixedLoadRecord {
     pub max_shear_mpa: Option<f64>,
     /// Its depth, mm.
     pub shear_depth_mm: Option<f64>,
-    /// Error bands of the values of the patch; none in a table with `bodies = "nominal"`, and for a contact between elements.
+    /// Error bands of the values of the patch; none in a table without `bodies = "own"`, and for a contact between elements.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub patch_error_band: Option<PatchBandRecord>,
 }
