@@ -18,8 +18,8 @@ use crate::engine::store::Store;
 use crate::hash::hash;
 use crate::results::bodies::estimate::Resources;
 use crate::table::earlier::{Earlier, EarlierFiles, RECORD};
-use crate::table::rows::{Rows, Status};
-use crate::table::{Places, Table, about, changes, fleet, page, record, shapes};
+use crate::table::rows::Rows;
+use crate::table::{Places, Status, Table, about, changes, fleet, page, record, shapes};
 
 /// Files of a table.
 const ROWS: &str = "table.csv";
@@ -179,7 +179,7 @@ fn made(args: &TableArgs, table: &Table) -> Result<bool, Error> {
     };
     let made = places.make()?;
     progress.finish();
-    let rows = Rows::of(table, &made);
+    let rows = Rows::of(table, &made)?;
     let changes = earlier.as_ref().map(|earlier| changes::since(earlier, &rows)).transpose()?;
     let earlier = earlier.as_ref().map(fleet::earlier).transpose()?;
     let about = about(table, &args.table, &path, earlier.as_ref());
@@ -199,19 +199,19 @@ fn made(args: &TableArgs, table: &Table) -> Result<bool, Error> {
         .collect();
     there.check(files.iter().map(|(name, _)| *name))?;
     let written = files.iter().map(|(name, content)| ((*name).to_owned(), hash(content))).collect();
-    let record = record(table, &made, written);
+    let record = record(table, &made, written)?;
     // the record first: a table that is stopped between two files knows that they are its own
-    let record = (RECORD, Content::json(&record, made.len() <= INDENTED));
+    let record = (RECORD, Content::json(&record, made.count() <= INDENTED));
     let files = files.into_iter().map(|(name, content)| (name, content.into()));
     folder.write_together(&[record].into_iter().chain(files).collect::<Vec<_>>())?;
     outdated.iter().try_for_each(|name| folder.remove(name))?;
-    let with = |status: Status| made.iter().filter(|(_, record)| Status::of(record) == status).count();
+    let with = |status: Status| made.places().filter(|at| at.status() == status).count();
     let [complete, early, failed] = [Status::Complete, Status::EndsEarly, Status::Failed].map(with);
     let count = format!(
         "{} places: {complete} complete, {early} with a law that ends early, {failed} without a law",
-        made.len()
+        made.count()
     );
-    let with_findings = made.iter().filter(|(_, record)| !record.findings_left.is_empty()).count();
+    let with_findings = made.places().filter(|at| at.has_findings()).count();
     let unsure = (with_findings > 0).then(|| {
         format!(
             "places with unresolved findings in their profiles: {with_findings}; see the column findings_left of {}",
@@ -223,7 +223,7 @@ fn made(args: &TableArgs, table: &Table) -> Result<bool, Error> {
     let fleet = is_fleet
         .then(|| format!("the measured profiles beside each other: {}", folder.file(FLEET).display()));
     let more = json!({
-        "places": made.len(), "complete": complete, "ends_early": early, "failed": failed,
+        "places": made.count(), "complete": complete, "ends_early": early, "failed": failed,
         "with_findings_left": with_findings, "changes": changed
     });
     let holds = failed == 0 && with_findings == 0;

@@ -12,14 +12,34 @@ pub trait Sealed: Serialize + Clone {
     fn seal(&mut self) -> &mut String;
 
     /// The hash of all else.
-    fn content_hash(&self) -> String {
+    ///
+    /// # Errors
+    /// Those of parts that are read while it is formed.
+    fn try_content_hash(&self) -> serde_json::Result<String> {
         let mut content = self.clone();
         content.seal().clear();
         // as it is formed: the text of a large table would fill the memory
         let mut hasher = blake3::Hasher::new();
-        serde_json::to_writer_pretty(&mut hasher, &content).expect("records are plain data");
+        serde_json::to_writer_pretty(&mut hasher, &content)?;
         hasher.update(b"\n");
-        hasher.finalize().to_hex().to_string()
+        Ok(hasher.finalize().to_hex().to_string())
+    }
+
+    /// The same of plain data.
+    fn content_hash(&self) -> String {
+        self.try_content_hash().expect("records are plain data")
+    }
+
+    /// The same with its hash, of a record whose parts are read while it is formed.
+    ///
+    /// # Errors
+    /// [`InputError`] with the reason of such a part.
+    fn try_sealed(mut self) -> Result<Self> {
+        *self.seal() = self.try_content_hash().map_err(|cause| {
+            let expected = "results that stay as they are until they are written";
+            InputError::new("results", cause, expected, "run the command again")
+        })?;
+        Ok(self)
     }
 
     /// The same with its hash.

@@ -63,7 +63,7 @@ pub struct ExportRow<'a> {
     file: &'a str,
     table: &'a TableRecord<'static>,
     case: &'a CaseRecord<'static>,
-    place: &'a PlaceEntry<'static>,
+    place: &'a PlaceEntry,
     /// Its number in `table.csv`, from 1 on.
     number: usize,
     /// How many rows the table has.

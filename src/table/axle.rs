@@ -7,19 +7,18 @@ use railspring_profiles::units::MILLIMETRE;
 use serde_json::Value;
 
 use super::cases::{Case, Table};
-use super::making::PlaceRecord;
-use super::places::Place;
+use super::made::Made;
 use super::surfaces::{AMPLITUDES_MM, running_shifts};
 
 /// Equivalent conicity of an axle at the amplitudes of the columns; none where it does not swing about a shift in the range.
 pub(super) type AxleConicity = [Option<f64>; AMPLITUDES_MM.len()];
 
 /// Those of the axles whose two wheels were measured, by the numbers of the cases.
-pub(super) fn conicities(table: &Table, places: &[(Place, PlaceRecord)]) -> BTreeMap<usize, AxleConicity> {
+pub(super) fn conicities(table: &Table, made: &Made<'_>) -> BTreeMap<usize, AxleConicity> {
     // the first place of a case stands for all
     let mut radii: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
-    for (place, record) in places {
-        let wheel = record.measured.as_ref().filter(|measured| measured.wheel.is_some());
+    for at in made.places() {
+        let (place, wheel) = (at.place, at.measured().filter(|measured| measured.wheel.is_some()));
         if let (Some(measured), false) = (wheel, radii.contains_key(&place.case)) {
             let radius = 0.5 * table.cases[place.case].study.wheel.tape_diameter;
             let of_case = measured.rolling_radii_mm.iter().map(|below| radius + below * MILLIMETRE);

@@ -8,8 +8,7 @@ use serde_json::{Map, Value};
 use super::cases::{Case, Table};
 use super::files::beside;
 use super::fleet::{About, Shape};
-use super::making::PlaceRecord;
-use super::places::Place;
+use super::made::Made;
 use super::rows::Rows;
 use super::surfaces::MeasuredRecord;
 
@@ -45,8 +44,8 @@ pub fn about<'a>(table: &'a Table, path: &Path, folder: &Path, earlier: Option<&
 }
 
 /// The deviations of the measured wheels of places from their standards; of the rails, where no wheel was measured.
-pub fn shapes(places: &[(Place, PlaceRecord)]) -> Vec<Option<Shape>> {
-    let measured = || places.iter().map(|(_, record)| record.measured.as_deref());
+pub fn shapes(made: &Made<'_>) -> Vec<Option<Shape>> {
+    let measured = || made.places().map(|at| at.measured());
     let of_wheels = measured().flatten().any(|of| of.wheel.is_some());
     let shape = |of: &MeasuredRecord| {
         let wheel = of.wheel.as_ref().map(|wheel| &wheel.deviation);

@@ -4,7 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::{Value, json};
 
-use super::rows::{Rows, Status};
+use super::made::Status;
+use super::rows::Rows;
 use crate::engine::columns::Cell;
 use crate::report::accessible::inline;
 use crate::report::html;

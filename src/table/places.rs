@@ -5,7 +5,6 @@
 //! condensed, which the store keeps, and the rest is dense algebra.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use railspring_profiles::error::{Error, Result, unless_interrupted};
@@ -14,10 +13,9 @@ use railspring_profiles::units::{KILONEWTON, MILLIMETRE};
 use rayon::prelude::*;
 
 use super::cases::{Case, Table};
-use super::document::SideKey;
+use super::made::{Held, IN_MEMORY, Made, Place, share_measured};
 use super::making::{CaseWork, PlaceRecord, Ready, Settings};
 use super::shared::{Common, nominals, shares};
-use super::surfaces::MeasuredRecord;
 use super::turns::{Pairs, in_turn};
 use crate::engine::store::Store;
 use crate::results::bodies::estimate::{self, GIB, Resources, Work};
@@ -27,17 +25,6 @@ use crate::study::parts as parts_of;
 
 /// Cases of which the places are looked at to foretell the time of a table, at most.
 const CASES_LOOKED_AT: usize = 30;
-
-/// A pair at one shift of the wheelset.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Place {
-    /// Number of the case.
-    pub case: usize,
-    /// The side of the wheelset.
-    pub side: SideKey,
-    /// Shift of the wheelset, mm.
-    pub shift_mm: f64,
-}
 
 /// What a table is going to do.
 #[derive(Debug, Clone, PartialEq)]
@@ -94,7 +81,9 @@ pub struct Places<'a> {
     resources: Resources<'a>,
     nominals: Common<Ready>,
     places: Vec<Place>,
-    records: Vec<Option<PlaceRecord>>,
+    records: Vec<Option<Held>>,
+    /// Whether all records stay in the memory.
+    in_memory: bool,
 }
 
 /// What is to be made of a case.
@@ -105,6 +94,17 @@ type Wanted = Vec<(f64, Vec<usize>)>;
 impl<'a> Places<'a> {
     /// All places of a table, cases first; those that are in the store are taken from it unless all are made `fresh`.
     pub fn of(table: &'a Table, store: &'a Store, fresh: bool, resources: Resources<'a>) -> Self {
+        Self::holding(IN_MEMORY, table, store, fresh, resources)
+    }
+
+    /// The same, with the records of at most so many places in the memory.
+    pub(super) fn holding(
+        most: usize,
+        table: &'a Table,
+        store: &'a Store,
+        fresh: bool,
+        resources: Resources<'a>,
+    ) -> Self {
         let document = &table.document;
         let mut places = Vec::new();
         for case in 0..table.cases.len() {
@@ -116,23 +116,30 @@ impl<'a> Places<'a> {
                 }));
             }
         }
+        let in_memory = places.len() <= most;
         let take = |place: &Place| {
             let (Case { study, refused, .. }, towards) =
                 (&table.cases[place.case], place.side.towards(place.shift_mm));
             if let Some(reason) = refused {
-                return Some(PlaceRecord::failed(towards, &reason.clone().into()));
+                return Some(Held::here(PlaceRecord::failed(towards, &reason.clone().into())));
             }
             if fresh {
                 return None;
             }
             let address = Settings::of(document).address(study, towards);
-            store.take_as(&address, |artefact| PlaceRecord::read(&artefact), &|text| {
+            let found = store.take_as(&address, |artefact| PlaceRecord::read(&artefact), &|text| {
                 resources.monitor.notice(&text)
-            })
+            })?;
+            Some(if in_memory { Held::here(found) } else { Held::kept(found, address) })
         };
-        let mut records: Vec<Option<PlaceRecord>> = places.par_iter().map(take).collect();
-        share_measured(&mut records);
-        Self { table, store, resources, nominals: Common::default(), places, records }
+        let of_case = (document.sides.len() * document.shifts_mm.len()).max(1);
+        let records = places.par_chunks(of_case).flat_map_iter(|places| {
+            let mut held: Vec<Option<Held>> = places.iter().map(take).collect();
+            share_measured(&mut held);
+            held
+        });
+        let records = records.collect();
+        Self { table, store, resources, nominals: Common::default(), places, records, in_memory }
     }
 
     /// What is going to be done; with what it takes where that is to be `estimated`, for which one pair is meshed.
@@ -243,7 +250,7 @@ impl<'a> Places<'a> {
     ///
     /// # Errors
     /// An interruption, after which the store has what was made.
-    pub fn make(mut self) -> Result<Vec<(Place, PlaceRecord)>> {
+    pub fn make(mut self) -> Result<Made<'a>> {
         let missing = self.missing();
         let monitor = self.resources.monitor;
         let (done, total) = (AtomicUsize::new(0), missing.values().map(Vec::len).sum());
@@ -265,18 +272,7 @@ impl<'a> Places<'a> {
             indices.into_iter().for_each(|index| self.records[index] = Some(record.clone()));
         }
         let records = self.records.into_iter().map(|record| record.expect("every place was taken or made"));
-        Ok(self.places.into_iter().zip(records).collect())
-    }
-}
-
-/// Places of a case, which stand side by side, have one record of its measured surfaces: with many shifts that is a tenth of the memory.
-fn share_measured(records: &mut [Option<PlaceRecord>]) {
-    let mut last: Option<Arc<MeasuredRecord>> = None;
-    for measured in records.iter_mut().flatten().filter_map(|record| record.measured.as_mut()) {
-        match &last {
-            Some(known) if known == measured => *measured = Arc::clone(known),
-            _ => last = Some(Arc::clone(measured)),
-        }
+        Ok(Made::new(self.store, self.resources.monitor, self.places.into_iter().zip(records).collect()))
     }
 }
 
@@ -317,7 +313,7 @@ impl Making<'_, '_> {
 impl Pairs for Making<'_, '_> {
     /// A case up to its condensed bodies, or why it has none.
     type Ready = std::result::Result<Ready, Error>;
-    type Place = PlaceRecord;
+    type Place = Held;
 
     fn places(&self) -> &[usize] {
         &self.counts
@@ -334,14 +330,21 @@ impl Pairs for Making<'_, '_> {
         room.min(rayon::current_num_threads().max(2))
     }
 
-    fn place(&self, pair: usize, ready: &Self::Ready, place: usize) -> Result<PlaceRecord> {
+    fn place(&self, pair: usize, ready: &Self::Ready, place: usize) -> Result<Held> {
         let (shift, _) = self.wanted[pair][place];
-        let record = match ready {
-            Ok(ready) => self.case(pair).place(ready, shift)?,
+        let held = match ready {
+            Ok(ready) => {
+                let case = self.case(pair);
+                let (record, address) = (case.place(ready, shift)?, case.settings.address(case.study, shift));
+                match self.places.in_memory || !self.places.store.has(&address) {
+                    true => Held::here(record),
+                    false => Held::kept(record, address),
+                }
+            }
             // not kept: memory, a disk or a Python may be another's the next time
-            Err(error) => PlaceRecord::failed(shift, error),
+            Err(error) => Held::here(PlaceRecord::failed(shift, error)),
         };
-        self.one_done().map(|()| record)
+        self.one_done().map(|()| held)
     }
 }
 

@@ -5,15 +5,16 @@ use std::fmt::Display;
 use std::iter::once;
 use std::ops::Range;
 
+use railspring_profiles::error::Result;
 use railspring_profiles::units::MILLIMETRE;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use serde_json::Value;
 
 use super::axle::{self, AxleConicity};
 use super::carried::{CarriedRecord, near};
 use super::cases::{Case, Table};
+use super::made::{Made, MadePlace, Place, Status};
 use super::making::{PlaceRecord, is_uncertain};
-use super::places::Place;
 use super::surfaces::AMPLITUDES_MM;
 use crate::engine::columns::{Cell, csv_of_texts};
 use crate::results::by_angle::record::AngleLawRecord;
@@ -43,38 +44,6 @@ pub const INPUTS: [(&str, &str); 4] = [
     ("version", "the program"),
 ];
 
-/// What a place has come to, in a word.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Status {
-    /// A law of all loads.
-    Complete,
-    /// A law that ends before the largest load.
-    EndsEarly,
-    /// No law.
-    Failed,
-}
-
-impl Status {
-    /// The status of a place.
-    pub fn of(record: &PlaceRecord) -> Self {
-        match (record.at.laws.is_empty(), &record.at.reason) {
-            (true, _) => Self::Failed,
-            (false, Some(_)) => Self::EndsEarly,
-            (false, None) => Self::Complete,
-        }
-    }
-
-    /// Its name in rows.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Complete => "complete",
-            Self::EndsEarly => "ends early",
-            Self::Failed => "failed",
-        }
-    }
-}
-
 impl From<&Value> for Cell {
     fn from(value: &Value) -> Self {
         match value {
@@ -99,7 +68,10 @@ pub struct Rows {
 
 impl Rows {
     /// The rows of the places of a table.
-    pub fn of(table: &Table, places: &[(Place, PlaceRecord)]) -> Self {
+    ///
+    /// # Errors
+    /// A place that the store has no more.
+    pub fn of(table: &Table, made: &Made<'_>) -> Result<Self> {
         let varied: BTreeSet<&str> =
             table.cases.iter().flat_map(|case| case.varied.keys().map(String::as_str)).collect();
         let varied: Vec<&str> = varied.into_iter().filter(|key| !WITH_A_COLUMN.contains(key)).collect();
@@ -112,8 +84,9 @@ impl Rows {
             })
         });
         let from_files = table.cases.iter().any(|case| is_from_files(&case.study));
-        let axles = axle::conicities(table, places);
-        let row = |(place, record): &(Place, PlaceRecord), named: bool| {
+        let axles = axle::conicities(table, made);
+        let row = |at: MadePlace<'_>, named: bool| -> Result<Row> {
+            let (place, record) = (at.place, &*at.record()?);
             let mut row = Row { named, ..Row::default() };
             row.place(table, place, &known, &varied);
             row.touch(record);
@@ -132,10 +105,11 @@ impl Rows {
                 row.put("findings_left", record.findings_left.join("; ").as_str());
             }
             row.status(&table.cases[place.case], record);
-            row
+            Ok(row)
         };
         // all rows have the columns of the first
-        let mut columns = places.first().map(|place| row(place, true).names).unwrap_or_default();
+        let first = made.places().next().map(|place| row(place, true)).transpose()?;
+        let mut columns = first.map(|row| row.names).unwrap_or_default();
         let metadata = IDENTITY.len()..(IDENTITY.len() + known.len()).min(columns.len());
         for at in metadata.clone() {
             // a word of a file is no result
@@ -143,8 +117,8 @@ impl Rows {
                 columns[at] += "_of_file";
             }
         }
-        let rows = places.iter().map(|place| row(place, false).cells).collect();
-        Self { columns, rows, metadata }
+        let rows = made.places().map(|place| Ok(row(place, false)?.cells)).collect::<Result<_>>()?;
+        Ok(Self { columns, rows, metadata })
     }
 
     /// The number of a column.

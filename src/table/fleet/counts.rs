@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::bodies::Bodies;
 use super::section::{Section, Table};
-use crate::table::rows::Status;
+use crate::table::made::Status;
 
 /// Reasons that are listed.
 const REASONS: usize = 12;
