@@ -84,24 +84,23 @@ pub(super) fn near(force_kn: f64, load_kn: f64) -> bool {
 }
 
 impl CarriedRecord {
-    /// The same at a place, with the bands of its tangents against a reference.
-    pub(super) fn at(mut self, place: &ShiftRecord, reference: &str) -> Self {
+    /// Widens the bands at a place under loads near which a further place begins to carry, by its tangents against a reference.
+    pub(super) fn widen_at(&mut self, place: &ShiftRecord, reference: &str) {
         let entry = place.laws.iter().find(|entry| entry.reference == reference);
-        let of_loads = entry.and_then(|entry| match &entry.form(Form::Table)?.law {
-            NormalLawRecord::Table(points) => Some(&*points.table_kn_and_kn_per_m),
-            _ => None,
-        });
+        let tangents: &[[f64; 2]] =
+            match entry.and_then(|entry| entry.form(Form::Table)).map(|form| &form.law) {
+                Some(NormalLawRecord::Table(points)) => &points.table_kn_and_kn_per_m,
+                _ => &[],
+            };
         let moved = ONSET_BY_DISPLACEMENT * self.displacement_rel_band;
-        let onset = |load: f64| by_onset(of_loads.unwrap_or_default(), load, moved);
-        let tangents = place.loads.iter().map(|at| (at.force_kn, self.tangent_rel_band + onset(at.force_kn)));
-        self.tangent_rel_bands = tangents.collect();
-        // the contact is a part of the lateral flexibility
-        let lateral = place.loads.iter().filter_map(|at| {
-            let share = at.lateral_contact_um_per_kn? * 1e-6 * at.horizontal_kn_per_m;
-            Some(share * onset(at.force_kn))
-        });
-        self.horizontal_rel_band += lateral.fold(0.0, f64::max);
-        self
+        let mut lateral: f64 = 0.0;
+        for at in &place.loads {
+            let onset = by_onset(tangents, at.force_kn, moved);
+            self.tangent_rel_bands.push((at.force_kn, self.tangent_rel_band + onset));
+            // the contact is a part of the lateral flexibility
+            lateral = lateral.max(at.horizontal_contact_share().unwrap_or(0.0) * onset);
+        }
+        self.horizontal_rel_band += lateral;
     }
 
     /// Half width of the band of the tangent under a load of the columns, kN.

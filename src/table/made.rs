@@ -177,9 +177,7 @@ impl<'a> MadePlace<'a> {
             Held::Kept(kept) => kept,
         };
         let Made { store, monitor, .. } = self.of;
-        let found = store
-            .take_as(&kept.address, |artefact| PlaceRecord::read(&artefact), &|text| monitor.notice(&text));
-        found.map(Cow::Owned).ok_or_else(|| {
+        PlaceRecord::taken(store, &kept.address, *monitor).map(Cow::Owned).ok_or_else(|| {
             let entry = store.path().join(kept.address.file()).display().to_string();
             let expected = "the place that was there when the table was made";
             let remedy =

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use super::carried::{BodiesRecord, OwnRecord, is_checked};
 use super::document::{BodiesKey, DirectionKey, TableDocument};
-use super::shared::{Common, OnBodies, Sharing, shares};
+use super::shared::{Common, OnBodies, Sharing, is_wanted_on_standards, shares};
 use super::surfaces::MeasuredRecord;
 use crate::engine::store::{Address, Artefact, Kind, Store};
 use crate::hash::key;
@@ -71,11 +71,16 @@ pub struct PlaceUncertainty {
 }
 
 impl PlaceRecord {
+    /// The place that a store has at an address; `said` hears why an entry cannot be used.
+    pub(super) fn taken(store: &Store, address: &Address, said: &dyn Monitor) -> Option<Self> {
+        store.take_as(address, |artefact| Self::read(&artefact), &|text| said.notice(&text))
+    }
+
     /// The place of an artefact of the store.
     ///
     /// # Errors
     /// [`railspring_profiles::error::InputError`] for one that is no place.
-    pub(super) fn read(artefact: &Artefact) -> Result<Self> {
+    fn read(artefact: &Artefact) -> Result<Self> {
         let content = artefact.part(PLACE).unwrap_or_default();
         let text = std::str::from_utf8(content).unwrap_or_default();
         crate::engine::output::parse_json(std::path::Path::new(PLACE), text, "table")
@@ -378,9 +383,7 @@ impl CaseWork<'_> {
     /// Whether the store has the place at a shift towards the rail (mm), complete.
     pub fn has_place(&self, shift_mm: f64) -> bool {
         let address = self.settings.address(self.study, shift_mm);
-        self.store
-            .take_as(&address, |artefact| PlaceRecord::read(&artefact), &|text| self.said.notice(&text))
-            .is_some()
+        PlaceRecord::taken(self.store, &address, self.said).is_some()
     }
 
     /// The place at a shift towards the rail (mm), kept in the store.
@@ -407,7 +410,7 @@ impl CaseWork<'_> {
         let mut record_of_bodies = ready.bodies.clone();
         if let Some(BodiesRecord { carried: Some(carried), .. }) = &mut record_of_bodies {
             let reference = Reference::from(study.calibration.reference).name();
-            *carried = carried.clone().at(&at, reference);
+            carried.widen_at(&at, reference);
             if let Some(own) = &ready.own {
                 carried.own = Some(OwnRecord::of(&at, &press(own, false)?, reference));
             }
@@ -454,9 +457,7 @@ impl CaseWork<'_> {
 
     /// Whether the store keeps the bodies of the case: there are as many of measured profiles as files.
     fn keeps_bodies(&self) -> bool {
-        let Study { rail, wheel, .. } = self.study;
-        let shared = self.settings.bodies.shared();
-        !(shared.rail && rail.measured.is_some() || shared.wheel && wheel.measured.is_some())
+        !is_wanted_on_standards(self.study, self.settings.bodies)
     }
 
     fn source(&self, room: Room) -> BodySource<'_> {

@@ -127,9 +127,7 @@ impl<'a> Places<'a> {
                 return None;
             }
             let address = Settings::of(document).address(study, towards);
-            let found = store.take_as(&address, |artefact| PlaceRecord::read(&artefact), &|text| {
-                resources.monitor.notice(&text)
-            })?;
+            let found = PlaceRecord::taken(store, &address, resources.monitor)?;
             Some(if in_memory { Held::here(found) } else { Held::kept(found, address) })
         };
         let of_case = (document.sides.len() * document.shifts_mm.len()).max(1);
@@ -334,11 +332,12 @@ impl Pairs for Making<'_, '_> {
         let (shift, _) = self.wanted[pair][place];
         let held = match ready {
             Ok(ready) => {
-                let case = self.case(pair);
-                let (record, address) = (case.place(ready, shift)?, case.settings.address(case.study, shift));
-                match self.places.in_memory || !self.places.store.has(&address) {
-                    true => Held::here(record),
-                    false => Held::kept(record, address),
+                let (case, Places { in_memory, store, .. }) = (self.case(pair), self.places);
+                let record = case.place(ready, shift)?;
+                let address = (!in_memory).then(|| case.settings.address(case.study, shift));
+                match address.filter(|address| store.has(address)) {
+                    Some(address) => Held::kept(record, address),
+                    None => Held::here(record),
                 }
             }
             // not kept: memory, a disk or a Python may be another's the next time

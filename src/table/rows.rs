@@ -17,7 +17,7 @@ use super::made::{Made, MadePlace, Place, Status};
 use super::making::{PlaceRecord, is_uncertain};
 use super::surfaces::AMPLITUDES_MM;
 use crate::engine::columns::{Cell, csv_of_texts};
-use crate::results::by_angle::record::AngleLawRecord;
+use crate::results::by_angle::record::{AngleLawRecord, FixedLoadRecord};
 use crate::study::Study;
 use railspring_calibrate::law::Form;
 
@@ -281,7 +281,6 @@ impl Row {
         let of_bodies = carried.map_or(0.0, |carried| carried.tangent_band(load_kn));
         let number = loads.iter().position(|load| *load == load_kn);
         let hertz = number.and_then(|number| record.hertz_kn_per_m.get(number).copied());
-        let share = at.and_then(|at| Some(at.lateral_contact_um_per_kn? * 1e-6 * at.horizontal_kn_per_m));
         let mut put = |name: &str, value: Option<f64>| self.put(format_args!("{name}_at_{load_kn}kn"), value);
         put("displacement_mm", in_use.map(|at| at.displacement_mm));
         put("stiffness_kn_per_m", in_use.map(|at| at.tangent_kn_per_m));
@@ -291,7 +290,7 @@ impl Row {
         put("local_stiffness_kn_per_m", local.map(|at| at.tangent_kn_per_m));
         put("hertz_normal_stiffness_kn_per_m", hertz);
         put("horizontal_kn_per_m", at.map(|at| at.horizontal_kn_per_m));
-        put("horizontal_contact_share", share);
+        put("horizontal_contact_share", at.and_then(FixedLoadRecord::horizontal_contact_share));
         put("contact_area_mm2", at.map(|at| at.contact_area_mm2));
         put("semi_axis_along_mm", at.map(|at| at.semi_axis_along_mm));
         put("semi_axis_across_mm", at.map(|at| at.semi_axis_across_mm));

@@ -45,12 +45,16 @@ pub(super) struct OnBodies {
 }
 
 /// Whether a study has measured surfaces that its table wants on the bodies of their standards.
+pub(super) fn is_wanted_on_standards(study: &Study, bodies: BodiesKey) -> bool {
+    let (Study { rail, wheel, .. }, shared) = (study, bodies.shared());
+    shared.rail && rail.measured.is_some() || shared.wheel && wheel.measured.is_some()
+}
+
+/// The same, where the program meshes these bodies from standards.
 pub(super) fn shares(study: &Study, bodies: BodiesKey) -> bool {
     let Study { rail, wheel, .. } = study;
-    let shared = bodies.shared();
-    let measured = shared.rail && rail.measured.is_some() || shared.wheel && wheel.measured.is_some();
     let drawn = rail.section.is_some() || wheel.section.is_some() || rail.body.is_some();
-    measured && !drawn && study.statics().meshes_are_ours()
+    is_wanted_on_standards(study, bodies) && !drawn && study.statics().meshes_are_ours()
 }
 
 /// Diameters of the nominal wheels that measured ones are pressed on are multiples of this, m.

@@ -194,6 +194,11 @@ impl FixedLoadRecord {
     pub fn reference(&self, name: &str) -> Option<&FixedReferenceRecord> {
         self.references.iter().find(|at| at.reference == name)
     }
+
+    /// Part of the lateral flexibility that lies in the contact itself.
+    pub fn horizontal_contact_share(&self) -> Option<f64> {
+        Some(self.lateral_contact_um_per_kn? * 1e-6 * self.horizontal_kn_per_m)
+    }
 }
 
 /// A contact that carries a part of a load.
