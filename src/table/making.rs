@@ -462,10 +462,12 @@ impl CaseWork<'_> {
 
     fn source(&self, room: Room) -> BodySource<'_> {
         BodySource {
-            store: self.keeps_bodies().then_some(self.store),
+            store: Some(self.store),
+            keeps: self.keeps_bodies(),
             fresh: false,
             foot_held: self.study.calibration.foot_held,
-            together: room.condensing,
+            // the nominal bodies take memory beside these
+            together: room.condensing && self.keeps_bodies(),
             study: &self.study.name,
             monitor: self.resources.monitor,
             trouble: Some(self.said),

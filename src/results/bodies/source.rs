@@ -21,6 +21,8 @@ const BODY: &str = "body.safetensors";
 #[derive(Clone, Copy)]
 pub(crate) struct BodySource<'a> {
     pub store: Option<&'a Store>,
+    /// Whether the store keeps what is condensed; else bodies are only taken from it.
+    pub keeps: bool,
     /// Whether all are condensed anew.
     pub fresh: bool,
     /// Whether the rail is pressed on its foot as well.
@@ -195,6 +197,9 @@ impl BodySource<'_> {
             return Ok(condensed);
         }
         let condensed = condense(key)?;
+        if !self.keeps {
+            return Ok(condensed);
+        }
         let artefact = Artefact::default().with(BODY, condensed.write());
         store.keep(&address, body.name(), self.study, &artefact, &trouble);
         say("made".into());
