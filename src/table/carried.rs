@@ -6,8 +6,10 @@ use railspring_profiles::units::MILLIMETRE;
 use serde::{Deserialize, Serialize};
 
 use super::document::BodiesKey;
+use crate::hash::key;
 use crate::results::by_angle::record::{FixedLoadRecord, ShiftRecord};
 use crate::results::springs::form::NormalLawRecord;
+use crate::study::Study;
 
 /// The bodies that measured surfaces were pressed on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -52,8 +54,9 @@ pub struct OwnRecord {
 /// Part of the places that are pressed on their own bodies as well.
 const ONE_IN: u32 = 100;
 
-/// Whether a case with a key (a hash) is one of these.
-pub(super) fn is_checked(key: &str) -> bool {
+/// Whether the case of a study is one of these, by the hash of what its springs depend on.
+pub(super) fn is_checked(study: &Study) -> bool {
+    let key = key(&study.statics());
     u32::from_str_radix(&key[..8.min(key.len())], 16).is_ok_and(|number| number % ONE_IN == 0)
 }
 

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use super::carried::{BodiesRecord, OwnRecord, is_checked};
 use super::document::{BodiesKey, DirectionKey, TableDocument};
-use super::shared::{Common, OnBodies, Sharing, is_wanted_on_standards, shares};
+use super::shared::{Common, OnBodies, Sharing, shares, wanted_on_standards};
 use super::surfaces::MeasuredRecord;
 use crate::engine::store::{Address, Artefact, Kind, Store};
 use crate::hash::key;
@@ -208,7 +208,7 @@ impl CaseWork<'_> {
         let nominals: Vec<&OnBodies> = ready.iter().map(|ready| &ready.on_bodies).collect();
         match sharing.on(self.study, &nominals) {
             Ok(on_bodies) => {
-                let own = is_checked(&key(&self.study.statics())).then(|| self.without_band()).transpose()?;
+                let own = is_checked(self.study).then(|| self.without_band()).transpose()?;
                 let off = on_bodies.geometry.pair.off_bodies;
                 let bodies = Some(BodiesRecord::off(self.settings.bodies, off, ready.len() > 1));
                 Ok(Ready { own, bodies, ..Ready::new(self.study, ready[0].room, on_bodies) })
@@ -457,7 +457,7 @@ impl CaseWork<'_> {
 
     /// Whether the store keeps the bodies of the case: there are as many of measured profiles as files.
     fn keeps_bodies(&self) -> bool {
-        !is_wanted_on_standards(self.study, self.settings.bodies)
+        !wanted_on_standards(self.study, self.settings.bodies).contains(&true)
     }
 
     fn source(&self, room: Room) -> BodySource<'_> {

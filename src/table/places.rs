@@ -16,14 +16,13 @@ use super::carried::is_checked;
 use super::cases::{Case, Table};
 use super::made::{Held, IN_MEMORY, Made, Place, share_measured};
 use super::making::{CaseWork, PlaceRecord, Ready, Settings};
-use super::shared::{Common, nominals, shares};
+use super::shared::{Common, nominals, shares, wanted_on_standards};
 use super::turns::{Pairs, in_turn};
 use crate::engine::store::Store;
-use crate::hash::key;
 use crate::results::bodies::estimate::{self, GIB, Resources, Work};
 use crate::results::bodies::geometry;
 use crate::results::bodies::input::SolidsInput;
-use crate::study::{Study, parts as parts_of};
+use crate::study::parts as parts_of;
 
 /// Cases of which the places are looked at to foretell the time of a table, at most.
 const CASES_LOOKED_AT: usize = 30;
@@ -231,13 +230,8 @@ impl<'a> Places<'a> {
     fn on_own_as_well(&self, missing: &Missing) -> Vec<usize> {
         let whose = self.table.document.bodies();
         let studies = missing.keys().map(|case| &self.table.cases[*case].study);
-        let checked = studies.filter(|study| shares(study, whose) && is_checked(&key(&study.statics())));
-        let bodies = |study: &Study| {
-            let (Study { rail, wheel, .. }, shared) = (study, whose.shared());
-            let measured = [shared.rail && rail.measured.is_some(), shared.wheel && wheel.measured.is_some()];
-            measured.into_iter().map(usize::from).sum()
-        };
-        checked.map(bodies).collect()
+        let checked = studies.filter(|study| shares(study, whose) && is_checked(study));
+        checked.map(|study| wanted_on_standards(study, whose).map(usize::from).iter().sum()).collect()
     }
 
     /// The cases with places that are to be made, in order, each with its shifts towards the rail (mm).

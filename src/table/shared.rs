@@ -44,17 +44,17 @@ pub(super) struct OnBodies {
     pub coarser: Option<(f64, CoarserBodies)>,
 }
 
-/// Whether a study has measured surfaces that its table wants on the bodies of their standards.
-pub(super) fn is_wanted_on_standards(study: &Study, bodies: BodiesKey) -> bool {
+/// Whether the rail and the wheel of a study have measured surfaces that its table wants on the bodies of their standards.
+pub(super) fn wanted_on_standards(study: &Study, bodies: BodiesKey) -> [bool; 2] {
     let (Study { rail, wheel, .. }, shared) = (study, bodies.shared());
-    shared.rail && rail.measured.is_some() || shared.wheel && wheel.measured.is_some()
+    [shared.rail && rail.measured.is_some(), shared.wheel && wheel.measured.is_some()]
 }
 
-/// The same, where the program meshes these bodies from standards.
+/// Whether one of them has, and the program meshes these bodies from standards.
 pub(super) fn shares(study: &Study, bodies: BodiesKey) -> bool {
     let Study { rail, wheel, .. } = study;
     let drawn = rail.section.is_some() || wheel.section.is_some() || rail.body.is_some();
-    is_wanted_on_standards(study, bodies) && !drawn && study.statics().meshes_are_ours()
+    wanted_on_standards(study, bodies).contains(&true) && !drawn && study.statics().meshes_are_ours()
 }
 
 /// Diameters of the nominal wheels that measured ones are pressed on are multiples of this, m.
