@@ -20,6 +20,7 @@ mod shared;
 mod surfaces;
 mod carried;
 mod making;
+mod checks;
 mod turns;
 mod made;
 mod places;

@@ -8,6 +8,7 @@
 mod dense;
 mod products;
 mod factor;
+mod elimination;
 mod size;
 mod section_motion;
 mod step;

@@ -6,6 +6,7 @@ use railspring_profiles::units::MILLIMETRE;
 use serde::{Deserialize, Serialize};
 
 use super::document::BodiesKey;
+use super::shared::shares;
 use crate::hash::key;
 use crate::results::by_angle::record::{FixedLoadRecord, ShiftRecord};
 use crate::results::springs::form::NormalLawRecord;
@@ -54,10 +55,21 @@ pub struct OwnRecord {
 /// Part of the places that are pressed on their own bodies as well.
 const ONE_IN: u32 = 100;
 
-/// Whether the case of a study is one of these, by the hash of what its springs depend on.
-pub(super) fn is_checked(study: &Study) -> bool {
-    let key = key(&study.statics());
-    u32::from_str_radix(&key[..8.min(key.len())], 16).is_ok_and(|number| number % ONE_IN == 0)
+/// Whether the case of a study is one of these, by the hash of what its springs depend on: its measured surfaces are pressed on bodies of standards, as its table
+/// wants it, and on its own ones as well.
+pub(super) fn is_checked(study: &Study, bodies: BodiesKey) -> bool {
+    let key = || key(&study.statics());
+    let by_hash = |key: String| {
+        u32::from_str_radix(&key[..8.min(key.len())], 16).is_ok_and(|number| number % ONE_IN == 0)
+    };
+    shares(study, bodies) && by_hash(key())
+}
+
+/// The study of such a case on its own bodies: its laws alone are compared.
+pub(super) fn checking(study: &Study) -> Study {
+    let mut study = study.clone();
+    (study.calibration.error_band, study.target_error) = (false, None);
+    study
 }
 
 /// Tangents grow by this power of the load at most while the same places carry it: by a third in Hertz's contact, less with bodies in series, and a little more on worn profiles.
@@ -142,9 +154,9 @@ impl BodiesRecord {
 }
 
 impl OwnRecord {
-    /// Of a place on the bodies of others and on its `own`, with the reference in use.
-    pub fn of(carried: &ShiftRecord, own: &ShiftRecord, reference: &str) -> Self {
-        let mut found = Self::default();
+    /// Of a place on the bodies of others and on its `own`, with the reference in use; none where its own carry none of the loads.
+    pub fn of(carried: &ShiftRecord, own: &ShiftRecord, reference: &str) -> Option<Self> {
+        let (mut found, mut compared) = (Self::default(), false);
         let farther = |largest: &mut f64, change: f64| {
             if change.abs() > largest.abs() {
                 *largest = change;
@@ -153,13 +165,14 @@ impl OwnRecord {
         for at in &carried.loads {
             let same = |other: &&FixedLoadRecord| other.force_kn == at.force_kn;
             let Some(other) = own.loads.iter().find(same) else { continue };
+            compared = true;
             if let (Some(at), Some(other)) = (at.reference(reference), other.reference(reference)) {
                 farther(&mut found.displacement, other.displacement_mm / at.displacement_mm - 1.0);
                 farther(&mut found.tangent, other.tangent_kn_per_m / at.tangent_kn_per_m - 1.0);
             }
             farther(&mut found.horizontal, other.horizontal_kn_per_m / at.horizontal_kn_per_m - 1.0);
         }
-        found
+        compared.then_some(found)
     }
 }
 

@@ -10,7 +10,7 @@ use railspring_profiles::monitor::Monitor;
 use railspring_profiles::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE};
 use serde::{Deserialize, Serialize};
 
-use super::carried::{BodiesRecord, OwnRecord, is_checked};
+use super::carried::{BodiesRecord, OwnRecord, checking, is_checked};
 use super::document::{BodiesKey, DirectionKey, TableDocument};
 use super::shared::{Common, OnBodies, Sharing, shares, wanted_on_standards};
 use super::surfaces::MeasuredRecord;
@@ -129,6 +129,11 @@ impl<'a> Settings<'a> {
         Self { name, direction: *direction, bodies: document.bodies(), stiffness_at_kn }
     }
 
+    /// Those of the same places on their own bodies.
+    pub fn on_own(self) -> Self {
+        Self { bodies: BodiesKey::Own, ..self }
+    }
+
     /// Address of the place of a study at a shift towards the rail (mm).
     pub fn address(&self, study: &Study, towards: f64) -> Address {
         // the uncertainty of inputs is asked for where the table gives it
@@ -154,6 +159,8 @@ pub(super) struct CaseWork<'a> {
     pub store: &'a Store,
     /// Bodies that cases have in common.
     pub nominals: &'a Common<Ready>,
+    /// Whether the store gets neither rail nor wheel of this case, though it is pressed on its own ones.
+    pub lets_go: [bool; 2],
     pub resources: Resources<'a>,
     /// Who hears what the store does not keep.
     pub said: &'a dyn Monitor,
@@ -208,22 +215,14 @@ impl CaseWork<'_> {
         let nominals: Vec<&OnBodies> = ready.iter().map(|ready| &ready.on_bodies).collect();
         match sharing.on(self.study, &nominals) {
             Ok(on_bodies) => {
-                let own = is_checked(self.study).then(|| self.without_band()).transpose()?;
                 let off = on_bodies.geometry.pair.off_bodies;
                 let bodies = Some(BodiesRecord::off(self.settings.bodies, off, ready.len() > 1));
-                Ok(Ready { own, bodies, ..Ready::new(self.study, ready[0].room, on_bodies) })
+                Ok(Ready { bodies, ..Ready::new(self.study, ready[0].room, on_bodies) })
             }
             // another inclination, worn too far, or wheels with other nodes
             Err(Error::Input(_)) => self.own(),
             Err(other) => Err(other),
         }
-    }
-
-    /// The case on its own bodies, for one law alone.
-    fn without_band(&self) -> Result<OnBodies> {
-        let mut study = self.study.clone();
-        (study.calibration.error_band, study.target_error) = (false, None);
-        CaseWork { study: &study, ..*self }.own().map(|own| own.on_bodies)
     }
 
     /// What `with` makes of each case whose bodies are condensed for this one: those of its nominal profiles, or itself.
@@ -392,7 +391,7 @@ impl CaseWork<'_> {
     /// An interruption.
     pub fn place(&self, ready: &Ready, shift_mm: f64) -> Result<PlaceRecord> {
         let Self { study, settings, store, .. } = self;
-        let OnBodies { geometry, bodies, .. } = &ready.on_bodies;
+        let OnBodies { geometry, bodies, coarser } = &ready.on_bodies;
         let fixed_loads: Vec<f64> = settings.stiffness_at_kn.iter().map(|load| load * KILONEWTON).collect();
         let pressed = PlaceSettings {
             direction: settings.direction.into(),
@@ -401,19 +400,15 @@ impl CaseWork<'_> {
             stresses: settings.bodies == BodiesKey::Own,
         };
         let shift = shift_mm * MILLIMETRE;
-        let press = |OnBodies { geometry, bodies, coarser }: &OnBodies, bands: bool| {
-            let coarser = coarser.as_ref().filter(|_| bands).map(|(element, bodies)| (*element, bodies));
-            let monitor = self.resources.monitor;
-            make::place(study.statics(), geometry, bodies, &pressed, shift, coarser, monitor)
-        };
-        let at = press(&ready.on_bodies, true)?;
+        let coarser = coarser.as_ref().map(|(element, bodies)| (*element, bodies));
+        let monitor = self.resources.monitor;
+        let at = make::place(study.statics(), geometry, bodies, &pressed, shift, coarser, monitor)?;
         let mut record_of_bodies = ready.bodies.clone();
         if let Some(BodiesRecord { carried: Some(carried), .. }) = &mut record_of_bodies {
             let reference = Reference::from(study.calibration.reference).name();
             carried.widen_at(&at, reference);
-            if let Some(own) = &ready.own {
-                carried.own = Some(OwnRecord::of(&at, &press(own, false)?, reference));
-            }
+            let own = self.on_own(shift_mm);
+            carried.own = own.and_then(|own| OwnRecord::of(&at, &own.at, reference));
         }
         let record = PlaceRecord {
             rolling_radius_mm: at
@@ -431,6 +426,13 @@ impl CaseWork<'_> {
         let address = settings.address(study, shift_mm);
         store.keep(&address, "place of a table", settings.name, &artefact, &|text| self.said.notice(&text));
         Ok(record)
+    }
+
+    /// The place on its own bodies, where the store has it ([`CaseWork::check`]).
+    fn on_own(&self, shift_mm: f64) -> Option<PlaceRecord> {
+        let study = is_checked(self.study, self.settings.bodies).then(|| checking(self.study))?;
+        let address = self.settings.on_own().address(&study, shift_mm);
+        PlaceRecord::taken(self.store, &address, self.said)
     }
 
     /// The uncertainty of a place by the inputs, at the fixed loads that it carries.
@@ -455,15 +457,21 @@ impl CaseWork<'_> {
         })
     }
 
-    /// Whether the store keeps the bodies of the case: there are as many of measured profiles as files.
+    /// Whether the store keeps rail and wheel of the case: there are as many of measured profiles as files.
+    fn keeps(&self) -> [bool; 2] {
+        let [rail, wheel] = wanted_on_standards(self.study, self.settings.bodies);
+        [!(rail || self.lets_go[0]), !(wheel || self.lets_go[1])]
+    }
+
+    /// Whether it keeps both.
     fn keeps_bodies(&self) -> bool {
-        !wanted_on_standards(self.study, self.settings.bodies).contains(&true)
+        self.keeps() == [true; 2]
     }
 
     fn source(&self, room: Room) -> BodySource<'_> {
         BodySource {
             store: Some(self.store),
-            keeps: self.keeps_bodies(),
+            keeps: self.keeps(),
             fresh: false,
             foot_held: self.study.calibration.foot_held,
             // the nominal bodies take memory beside these
@@ -496,8 +504,6 @@ pub(super) struct Ready {
     on_bodies: OnBodies,
     measured: Option<Arc<MeasuredRecord>>,
     bodies: Option<BodiesRecord>,
-    /// The same on its own bodies, of some of those that are on others.
-    own: Option<OnBodies>,
 }
 
 impl Ready {
@@ -506,7 +512,7 @@ impl Ready {
         let (statics, geometry) = (study.statics(), &on_bodies.geometry);
         let measured = MeasuredRecord::of(statics, geometry).map(Arc::new);
         let bodies = measured.is_some().then_some(BodiesRecord::OWN);
-        Self { room, on_bodies, measured, bodies, own: None }
+        Self { room, on_bodies, measured, bodies }
     }
 
     /// What there is room for at the same time.

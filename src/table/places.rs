@@ -86,6 +86,8 @@ pub struct Places<'a> {
     nominals: Common<Ready>,
     places: Vec<Place>,
     records: Vec<Option<Held>>,
+    /// Whether what the store has is made again.
+    fresh: bool,
     /// Whether all records stay in the memory.
     in_memory: bool,
 }
@@ -141,7 +143,7 @@ impl<'a> Places<'a> {
             held
         });
         let records = records.collect();
-        Self { table, store, resources, nominals: Common::default(), places, records, in_memory }
+        Self { table, store, resources, nominals: Common::default(), places, records, fresh, in_memory }
     }
 
     /// What is going to be done; with what it takes where that is to be `estimated`, for which one pair is meshed.
@@ -220,18 +222,23 @@ impl<'a> Places<'a> {
         let on_own = self.on_own_as_well(missing);
         let pressed = mean * (missing.len() + on_own.len()) as f64 * estimate.place_seconds / threads;
         let condensed = bodies + on_own.iter().sum::<usize>();
-        // the places of a pair are pressed beside the making of the next bodies
-        let beside = estimate.stages.get(1).filter(|_| condensed > 2).map_or(0.0, |stage| stage.memory);
+        // the places of a pair are pressed beside the making of the next bodies; own ones of shared bodies are made before these
+        let beside = estimate.stages.get(1).filter(|_| bodies > 2).map_or(0.0, |stage| stage.memory);
         let memory = estimate.memory() + beside + CASE * self.table.cases.len() as f64;
         Ok(Some((0.5 * condensed as f64 * estimate.condensing_seconds + pressed, memory)))
     }
 
-    /// How many bodies are condensed for each case that is pressed on its own bodies as well.
+    /// Whether a case is pressed on its own bodies as well.
+    fn is_checked(&self, case: usize) -> bool {
+        is_checked(&self.table.cases[case].study, self.table.document.bodies())
+    }
+
+    /// How many bodies are condensed for each of these cases.
     fn on_own_as_well(&self, missing: &Missing) -> Vec<usize> {
         let whose = self.table.document.bodies();
-        let studies = missing.keys().map(|case| &self.table.cases[*case].study);
-        let checked = studies.filter(|study| shares(study, whose) && is_checked(study));
-        checked.map(|study| wanted_on_standards(study, whose).map(usize::from).iter().sum()).collect()
+        let checked = missing.keys().filter(|case| self.is_checked(**case));
+        let study = |case: &usize| &self.table.cases[*case].study;
+        checked.map(|case| wanted_on_standards(study(case), whose).map(usize::from).iter().sum()).collect()
     }
 
     /// The cases with places that are to be made, in order, each with its shifts towards the rail (mm).
@@ -265,21 +272,27 @@ impl<'a> Places<'a> {
     pub fn make(mut self) -> Result<Made<'a>> {
         let missing = self.missing();
         let monitor = self.resources.monitor;
-        let (done, total) = (AtomicUsize::new(0), missing.values().map(Vec::len).sum());
+        let (cases, wanted): (Vec<usize>, Vec<Wanted>) = missing.into_iter().unzip();
+        let counts: Vec<usize> = wanted.iter().map(Vec::len).collect();
+        let checked: Vec<usize> = (0..cases.len()).filter(|pair| self.is_checked(cases[*pair])).collect();
+        let of_checked: usize = checked.iter().map(|pair| counts[*pair]).sum();
+        let (done, total) = (AtomicUsize::new(0), counts.iter().sum::<usize>() + of_checked);
         let beneath = Beneath { monitor, count: Some((&done, total)) };
         if total > 0 {
             beneath.progress("", 0, 0)?;
         }
-        let (cases, wanted): (Vec<usize>, Vec<Wanted>) = missing.into_iter().unzip();
-        let counts = wanted.iter().map(Vec::len).collect();
-        let made = in_turn(&Making {
+        let making = Making {
             places: &self,
             monitor: &beneath,
             done: &done,
             cases: &cases,
             wanted: &wanted,
-            counts,
-        })?;
+            counts: &counts,
+        };
+        for pair in checked {
+            making.check(pair)?;
+        }
+        let made = in_turn(&making)?;
         for ((_, indices), record) in wanted.into_iter().flatten().zip(made.into_iter().flatten()) {
             indices.into_iter().for_each(|index| self.records[index] = Some(record.clone()));
         }
@@ -299,13 +312,20 @@ struct Making<'a, 'b> {
     /// Their places.
     wanted: &'b [Wanted],
     /// How many these are.
-    counts: Vec<usize>,
+    counts: &'b [usize],
 }
 
 impl Making<'_, '_> {
-    fn one_done(&self) -> Result<()> {
-        self.done.fetch_add(1, Ordering::Relaxed);
+    fn are_done(&self, places: usize) -> Result<()> {
+        self.done.fetch_add(places, Ordering::Relaxed);
         self.monitor.progress("", 0, 0)
+    }
+
+    /// Has a pair pressed on its own bodies as well.
+    fn check(&self, pair: usize) -> Result<()> {
+        let shifts: Vec<f64> = self.wanted[pair].iter().map(|(shift, _)| *shift).collect();
+        self.case(pair).check(&shifts, self.places.fresh)?;
+        self.are_done(shifts.len())
     }
 
     fn case(&self, pair: usize) -> CaseWork<'_> {
@@ -316,6 +336,7 @@ impl Making<'_, '_> {
             settings: Settings::of(&table.document),
             store,
             nominals,
+            lets_go: [false; 2],
             resources: Resources { monitor: self.monitor, ..*resources },
             said: resources.monitor,
         }
@@ -328,7 +349,7 @@ impl Pairs for Making<'_, '_> {
     type Place = Held;
 
     fn places(&self) -> &[usize] {
-        &self.counts
+        self.counts
     }
 
     fn ready(&self, pair: usize) -> Result<Self::Ready> {
@@ -357,7 +378,7 @@ impl Pairs for Making<'_, '_> {
             // not kept: memory, a disk or a Python may be another's the next time
             Err(error) => Held::here(PlaceRecord::failed(shift, error)),
         };
-        self.one_done().map(|()| held)
+        self.are_done(1).map(|()| held)
     }
 }
 

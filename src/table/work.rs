@@ -215,7 +215,7 @@ impl Work {
         let (nominals, said) = (&Common::default(), resources.monitor);
         let cases: Vec<CaseWork<'_>> = studies
             .iter()
-            .map(|study| CaseWork { study, settings, store, nominals, resources, said })
+            .map(|study| CaseWork { study, settings, store, nominals, lets_go: [false; 2], resources, said })
             .collect();
         let answer = match &self.step {
             Step::Prepare => first_of(&cases, prepared)?,
@@ -248,9 +248,14 @@ impl Work {
 
     /// The cases of a package at their shifts, beside each other.
     fn pressed(&self, cases: &[CaseWork<'_>], shifts: &[Vec<f64>]) -> Result<Answer> {
+        let missing = |case: &CaseWork<'_>, shifts: &[f64]| -> Vec<f64> {
+            shifts.iter().copied().filter(|shift| self.fresh || !case.has_place(*shift)).collect()
+        };
+        for (case, shifts) in cases.iter().zip(shifts) {
+            case.check(&missing(case, shifts), self.fresh)?;
+        }
         let press = |(case, shifts): (&CaseWork<'_>, &Vec<f64>)| -> Result<Vec<String>> {
-            let missing: Vec<f64> =
-                shifts.iter().copied().filter(|shift| self.fresh || !case.has_place(*shift)).collect();
+            let missing = missing(case, shifts);
             if !missing.is_empty() {
                 let ready = case.ready()?;
                 missing

@@ -133,12 +133,11 @@ impl<'a> PairSolids<'a> {
         let section = |solve: &dyn Fn(&[f64]) -> Vec<f64>| {
             let Pair { shear_stresses, placed, .. } = self.pair;
             let centre = self.pair.node_line();
-            (body == PairBody::RailOnEnds)
-                .then(|| SectionMotion::new(self.rail, solve, shear_stresses, placed, centre, 0.0))
-                .transpose()
+            SectionMotion::new(self.rail, solve, shear_stresses, placed, centre, 0.0)
         };
         let modes = if body.is_in_time() { modes } else { 0 };
-        let condensed = self.parts(body)?.condensed(Wanted { key, modes, section: &section }, begins)?;
+        let section = (body == PairBody::RailOnEnds).then_some(&section as _);
+        let condensed = self.parts(body)?.condensed(Wanted { key, modes, section }, begins)?;
         Ok(CondensedBody { of: self.pair.named(body), ..condensed })
     }
 

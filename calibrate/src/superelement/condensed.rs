@@ -1,9 +1,11 @@
 //! What is kept of a factored body: small, owned, and able to travel.
 
+use super::elimination::compliance;
 use super::factor::Factor;
 use super::factored::Superelement;
 use super::modes::Modes;
 use super::section_motion::SectionMotion;
+use super::step::Step;
 use crate::mesh::{HexMesh, SurfaceGrid};
 use crate::solid::{Formulation, Material, Materials, Numbering, Supports, System};
 use blake3::Hasher;
@@ -83,13 +85,11 @@ pub fn body_key(mesh: &HexMesh, materials: &Materials, element: Formulation, sup
     hasher.finalize().to_hex().to_string()
 }
 
-impl Superelement<'_> {
-    /// What is kept of the body; the factor goes. `key` is that of the body ([`body_key`]).
-    pub fn condensed(self, key: String) -> CondensedBody {
-        let Self { system, factor, compliance } = self;
-        drop(factor);
+impl CondensedBody {
+    /// The body of a system with its compliance; `key` is that of the body ([`body_key`]).
+    fn of_system(system: &System<'_>, compliance: Mat<f64>, key: String) -> Self {
         let mesh = system.mesh;
-        CondensedBody {
+        Self {
             key,
             compliance: Arc::new(compliance),
             grid: mesh.contact.clone(),
@@ -102,6 +102,31 @@ impl Superelement<'_> {
             of: String::new(),
             file: None,
         }
+    }
+
+    /// The body of a system of which its compliance alone is wanted; says which step `begins`.
+    ///
+    /// # Errors
+    /// As [`Superelement::new`].
+    pub(super) fn without_factor(
+        system: &System<'_>,
+        key: String,
+        begins: &mut dyn FnMut(Step),
+    ) -> Result<Self> {
+        begins(Step::Assembly);
+        let matrix = system.matrix(1.0, 0.0, &[])?;
+        begins(Step::Factorisation);
+        let compliance = compliance(matrix, system.numbering.interior)?;
+        Ok(Self::of_system(system, compliance, key))
+    }
+}
+
+impl Superelement<'_> {
+    /// What is kept of the body; the factor goes. `key` is that of the body ([`body_key`]).
+    pub fn condensed(self, key: String) -> CondensedBody {
+        let Self { system, factor, compliance } = self;
+        drop(factor);
+        CondensedBody::of_system(&system, compliance, key)
     }
 }
 

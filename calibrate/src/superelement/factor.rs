@@ -176,8 +176,8 @@ impl Factor {
         }
     }
 
-    /// Compliance of the retained equations, `(L_rr·L_rrᵀ)⁻¹`.
-    pub fn retained_compliance(&self) -> Mat<f64> {
+    /// `L_rr`: the factor of the retained equations.
+    fn retained(&self) -> Mat<f64> {
         let n = self.size - self.interior;
         let mut lower = Mat::<f64>::zeros(n, n);
         let factor = self.supernodes();
@@ -194,6 +194,31 @@ impl Factor {
                 }
             }
         }
+        lower
+    }
+
+    /// Stiffness of the retained equations with the others free, the lower triangle of `L_rr·L_rrᵀ`.
+    pub fn retained_stiffness(&self) -> Mat<f64> {
+        let lower = self.retained();
+        let mut stiffness = Mat::zeros(lower.nrows(), lower.ncols());
+        triangular::matmul(
+            stiffness.as_mut(),
+            BlockStructure::TriangularLower,
+            Accum::Replace,
+            lower.as_ref(),
+            BlockStructure::TriangularLower,
+            lower.transpose(),
+            BlockStructure::TriangularUpper,
+            1.0,
+            Par::rayon(0),
+        );
+        stiffness
+    }
+
+    /// Compliance of the retained equations, `(L_rr·L_rrᵀ)⁻¹`.
+    pub fn retained_compliance(&self) -> Mat<f64> {
+        let lower = self.retained();
+        let n = lower.nrows();
         let mut inverse = Mat::<f64>::zeros(n, n);
         invert_lower_triangular(inverse.as_mut(), lower.as_ref(), Par::rayon(0));
         let mut compliance = lower;

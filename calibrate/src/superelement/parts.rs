@@ -40,7 +40,51 @@ pub struct Wanted<'w> {
     /// The motion of its section x = 0, of a rail, from the displacements of all nodes under forces on them, which act in that section across
     /// the track and down.
     #[expect(clippy::type_complexity, reason = "a function of a function")]
-    pub section: &'w dyn Fn(&dyn Fn(&[f64]) -> Vec<f64>) -> Result<Option<SectionMotion>>,
+    pub section: Option<&'w dyn Fn(&dyn Fn(&[f64]) -> Vec<f64>) -> Result<SectionMotion>>,
+}
+
+/// What is made of the factor of a part.
+type OfFactor<'f, T> = Box<dyn Fn(&Superelement<'_>) -> Result<T> + 'f>;
+
+/// What is wanted of the factor of a part beside its compliance.
+struct Beside<'f> {
+    modes: Option<OfFactor<'f, Modes>>,
+    section: Option<OfFactor<'f, SectionMotion>>,
+}
+
+impl Beside<'_> {
+    /// Steps of [`Self::condensed`].
+    fn steps(&self) -> usize {
+        match self {
+            Self { modes: None, section: None } => 2,
+            Self { modes, section } => 3 + usize::from(modes.is_some()) + usize::from(section.is_some()),
+        }
+    }
+
+    /// The part, condensed; says which step `begins`.
+    fn condensed(
+        self,
+        system: System<'_>,
+        key: String,
+        begins: &mut dyn FnMut(Step),
+    ) -> Result<CondensedBody> {
+        let Self { modes, section } = self;
+        if modes.is_none() && section.is_none() {
+            return CondensedBody::without_factor(&system, key, begins);
+        }
+        let element = Superelement::in_steps(system, begins)?;
+        let modes = modes.map(|modes| {
+            begins(Step::Modes);
+            modes(&element)
+        });
+        let modes = modes.transpose()?;
+        let section = section.map(|section| {
+            begins(Step::Section);
+            section(&element)
+        });
+        let section = section.transpose()?;
+        Ok(CondensedBody { section, modes, ..element.condensed(key) })
+    }
 }
 
 impl Parts<'_> {
@@ -73,15 +117,6 @@ impl Parts<'_> {
         systems.iter().map(|system| system.numbering.degrees_of_freedom()).sum()
     }
 
-    /// Steps of [`Self::condensed`].
-    fn steps(&self, modes: usize) -> usize {
-        let of_modes = usize::from(modes > 0);
-        match self {
-            Self::Whole(_) => 3 + of_modes + 1,
-            Self::Halves { .. } => 2 * (3 + of_modes) + 1,
-        }
-    }
-
     /// Assembles, factors and condenses the body; says which step `begins`, how many were done before it, and how many there are.
     ///
     /// # Errors
@@ -92,50 +127,55 @@ impl Parts<'_> {
         begins: &mut dyn FnMut(Step, usize, usize),
     ) -> Result<CondensedBody> {
         let equations = self.equations();
-        let (mut done, all) = (0, self.steps(modes));
-        let begins: &mut dyn FnMut(Step) = &mut |step| {
+        let mut done = 0;
+        let mut counted = |step, all| {
             begins(step, done, all);
             done += 1;
         };
         match self {
             Self::Whole(system) => {
-                let element = Superelement::in_steps(*system, begins)?;
-                let found = if modes > 0 {
-                    begins(Step::Modes);
-                    Some(element.modes(modes)?)
-                } else {
-                    None
+                let modes_of = |element: &Superelement<'_>| element.modes(modes);
+                let beside = Beside {
+                    modes: (modes > 0).then(|| Box::new(modes_of) as _),
+                    section: section.map(|section| {
+                        Box::new(|element: &Superelement<'_>| section(&|forces| element.solve(forces))) as _
+                    }),
                 };
-                begins(Step::Section);
-                let section = section(&|forces| element.solve(forces))?;
-                Ok(CondensedBody { section, modes: found, ..element.condensed(key) })
+                let all = beside.steps();
+                beside.condensed(*system, key, &mut |step| counted(step, all))
             }
             Self::Halves { whole, half, systems } => {
-                let [symmetric, antisymmetric] = *systems;
                 let counts = Modes::of_halves(modes);
-                let modes_of = |element: &Superelement<'_>, symmetry, begins: &mut dyn FnMut(Step)| {
-                    if modes == 0 {
-                        return Ok(None);
-                    }
-                    begins(Step::Modes);
-                    let loads = contact_loads(whole, symmetry);
-                    let loads: Vec<_> = loads.iter().map(|load| half.forces(symmetry, load)).collect();
-                    element.modes_under(&loads, symmetry, counts[symmetry as usize]).map(Some)
+                let modes_of = |symmetry: Symmetry| {
+                    let of = move |element: &Superelement<'_>| {
+                        let loads = contact_loads(whole, symmetry);
+                        let loads: Vec<_> = loads.iter().map(|load| half.forces(symmetry, load)).collect();
+                        element.modes_under(&loads, symmetry, counts[symmetry as usize])
+                    };
+                    (modes > 0).then(|| Box::new(of) as OfFactor<'_, Modes>)
                 };
-                let element = Superelement::in_steps(symmetric, begins)?;
-                let with = modes_of(&element, Symmetry::Symmetric, begins)?;
-                begins(Step::Section);
-                let section = section(&|forces| {
+                let moved = |element: &Superelement<'_>, forces: &[f64]| {
                     let mut moved = vec![0.0; forces.len()];
                     let of_half = element.solve(&half.forces(Symmetry::Symmetric, forces));
                     half.add(Symmetry::Symmetric, &of_half, &mut moved);
                     moved
-                })?;
-                let symmetric = element.condensed(String::new());
-                let element = Superelement::in_steps(antisymmetric, begins)?;
-                let against = modes_of(&element, Symmetry::Antisymmetric, begins)?;
-                let antisymmetric = element.condensed(String::new());
+                };
+                let section = section.map(|section| {
+                    let of = |element: &Superelement<'_>| section(&|forces| moved(element, forces));
+                    Box::new(of) as OfFactor<'_, SectionMotion>
+                });
+                let besides = [
+                    Beside { modes: modes_of(Symmetry::Symmetric), section },
+                    Beside { modes: modes_of(Symmetry::Antisymmetric), section: None },
+                ];
+                let all = besides.iter().map(Beside::steps).sum();
+                let mut condensed = Vec::with_capacity(2);
+                for (beside, system) in besides.into_iter().zip(*systems) {
+                    condensed.push(beside.condensed(system, String::new(), &mut |step| counted(step, all))?);
+                }
+                let [symmetric, antisymmetric] = <[_; 2]>::try_from(condensed).expect("two halves");
                 let compliance = joined(half, [&symmetric.compliance, &antisymmetric.compliance]);
+                let modes = symmetric.modes.zip(antisymmetric.modes);
                 Ok(CondensedBody {
                     key,
                     compliance: Arc::new(compliance),
@@ -144,8 +184,8 @@ impl Parts<'_> {
                     equations,
                     mass: 2.0 * symmetric.mass,
                     surface: symmetric.surface,
-                    section,
-                    modes: with.zip(against).map(|(with, against)| Modes::joined(half, [with, against])),
+                    section: symmetric.section,
+                    modes: modes.map(|(with, against)| Modes::joined(half, [with, against])),
                     of: String::new(),
                     file: None,
                 })
@@ -229,7 +269,7 @@ mod tests {
     use crate::mesh::{BlockOptions, mesh_block};
     use crate::solid::{Formulation, Material, Supports};
     use crate::superelement::Superelement;
-    use nalgebra::Point3;
+    use nalgebra::{Matrix3, Point2, Point3};
     use std::f64::consts::FRAC_1_SQRT_2;
 
     /// Rounding times the condition of the blocks.
@@ -275,7 +315,7 @@ mod tests {
     /// its equations and its mass. It has its modes: displacements of the contact nodes, stiffness, mass
     /// between them and the rigid motions. Nodes move as in the whole under forces that are neither symmetric
     /// nor antisymmetric, under symmetric ones, and under those on a section. The modes of the block on its
-    /// own hub agree, too. Accuracy: ROUNDOFF.
+    /// own hub agree, too. Without modes and section it has the same compliance. Accuracy: ROUNDOFF.
     #[test]
     fn halves_are_the_whole() {
         let mesh = block([8, 5, 4]);
@@ -293,12 +333,23 @@ mod tests {
                 .flat_map(|p| if p.x.abs() < 1e-9 { [0.0, 1.0 + p.y, 3.0 * p.z] } else { [0.0; 3] })
                 .collect();
             let moved = std::cell::RefCell::new(Vec::new());
+            // the motion itself is wanted of no block: what the section is asked for is looked at
             let section = |solve: &dyn Fn(&[f64]) -> Vec<f64>| {
                 moved.borrow_mut().push(solve(&on_section));
-                Ok(None)
+                Ok(SectionMotion {
+                    shear_centre: Point2::origin(),
+                    flexibility: Matrix3::zeros(),
+                    nodes: Vec::new(),
+                    moved: Default::default(),
+                })
             };
+            let alone = halves(&mesh, &half)
+                .condensed(Wanted { key: "block".into(), modes: 0, section: None }, &mut |_, _, all| {
+                    assert_eq!(all, 4);
+                })
+                .unwrap();
             let condense = |parts: Parts<'_>| {
-                let wanted = Wanted { key: "block".into(), modes: 15, section: &section };
+                let wanted = Wanted { key: "block".into(), modes: 15, section: Some(&section) };
                 let mut begun = Vec::new();
                 let condensed = parts.condensed(wanted, &mut |_, done, all| begun.push((done, all))).unwrap();
                 let all = begun.len();
@@ -316,8 +367,9 @@ mod tests {
             assert_eq!((by_halves.equations, &by_halves.grid), (whole.equations, &whole.grid));
             assert!((by_halves.mass / whole.mass - 1.0).abs() < ROUNDOFF);
             for column in 0..whole.compliance.ncols() {
-                let [a, b] = [&whole, &by_halves].map(|body| body.compliance.col_as_slice(column));
-                assert!(off(a, b) < ROUNDOFF, "column {column}: {:e}", off(a, b));
+                let [a, b, c] = [&whole, &by_halves, &alone].map(|body| body.compliance.col_as_slice(column));
+                let differs = off(a, b).max(off(a, c));
+                assert!(differs < ROUNDOFF, "column {column}: {differs:e}");
             }
             let element = Superelement::new(system(&mesh, &supports)).unwrap();
             let of_whole = Symmetry::BOTH.map(|symmetry| {

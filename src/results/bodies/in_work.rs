@@ -76,7 +76,7 @@ impl<'a> Solids<'a> {
         let statics = self.input.statics;
         BodySource {
             store: self.store,
-            keeps: true,
+            keeps: [true; 2],
             fresh: self.fresh,
             foot_held: statics.calibration.foot_held,
             together: self.room.condensing && statics.target_error.is_none(),

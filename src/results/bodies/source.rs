@@ -21,8 +21,8 @@ const BODY: &str = "body.safetensors";
 #[derive(Clone, Copy)]
 pub(crate) struct BodySource<'a> {
     pub store: Option<&'a Store>,
-    /// Whether the store keeps what is condensed; else bodies are only taken from it.
-    pub keeps: bool,
+    /// Whether the store keeps rail and wheel that are condensed; else they are only taken from it.
+    pub keeps: [bool; 2],
     /// Whether all are condensed anew.
     pub fresh: bool,
     /// Whether the rail is pressed on its foot as well.
@@ -197,7 +197,8 @@ impl BodySource<'_> {
             return Ok(condensed);
         }
         let condensed = condense(key)?;
-        if !self.keeps {
+        let [keeps_rail, keeps_wheel] = self.keeps;
+        if !(if body == PairBody::Wheel { keeps_wheel } else { keeps_rail }) {
             return Ok(condensed);
         }
         let artefact = Artefact::default().with(BODY, condensed.write());

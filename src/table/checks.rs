@@ -1,0 +1,38 @@
+//! One case in a hundred on its own bodies as well. They come before all others: the factor of a wheel takes more memory than all else, and the
+//! bodies of the standards need not stand beside it.
+
+use railspring_profiles::error::{Error, Result};
+use rayon::prelude::*;
+
+use super::carried::{checking, is_checked};
+use super::making::CaseWork;
+use super::shared::wanted_on_standards;
+
+impl CaseWork<'_> {
+    /// Makes the places of the case on its own bodies, if it [is checked](is_checked), which are let go afterwards: at those of the shifts towards the rail (mm) at which the store does not
+    /// have them yet, or at all if they are made `fresh`. A case without own bodies is told of, and stays without the comparison.
+    ///
+    /// # Errors
+    /// An interruption.
+    pub fn check(&self, shifts_mm: &[f64], fresh: bool) -> Result<()> {
+        if !is_checked(self.study, self.settings.bodies) {
+            return Ok(());
+        }
+        let study = checking(self.study);
+        let lets_go = wanted_on_standards(self.study, self.settings.bodies);
+        let case = CaseWork { study: &study, settings: self.settings.on_own(), lets_go, ..*self };
+        let missing: Vec<f64> =
+            shifts_mm.iter().copied().filter(|shift| fresh || !case.has_place(*shift)).collect();
+        if missing.is_empty() {
+            return Ok(());
+        }
+        match case.ready() {
+            Ok(ready) => missing.par_iter().try_for_each(|shift| case.place(&ready, *shift).map(drop)),
+            Err(Error::Interrupted) => Err(Error::Interrupted),
+            Err(reason) => {
+                self.said.notice(&format!("not compared with own bodies: {reason}"));
+                Ok(())
+            }
+        }
+    }
+}
