@@ -30,7 +30,10 @@ impl CaseWork<'_> {
             Ok(ready) => missing.par_iter().try_for_each(|shift| case.place(&ready, *shift).map(drop)),
             Err(Error::Interrupted) => Err(Error::Interrupted),
             Err(reason) => {
-                self.said.notice(&format!("not compared with own bodies: {reason}"));
+                let measured = [&self.study.wheel.measured, &self.study.rail.measured].into_iter().flatten();
+                let files: Vec<String> = measured.map(|file| file.path.display().to_string()).collect();
+                let text = format!("{}: not compared with own bodies: {reason}", files.join(" on "));
+                self.said.notice(&text);
                 Ok(())
             }
         }

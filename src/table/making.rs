@@ -184,7 +184,7 @@ impl CaseWork<'_> {
             let input = SolidsInput::of(self.study);
             let geometry = geometry::geometry(input.statics)?;
             let options = zones::mesh_options(input.statics, &geometry);
-            let work = Work::of(&input, true, false);
+            let work = Work { in_table: true, ..Work::of(&input, true, false) };
             let (meshes, beside) = estimate::meshes(&input, &geometry, options, &work, &self.resources)?;
             Ok(Meshed { geometry, meshes, beside })
         })

@@ -19,7 +19,7 @@ use super::making::{CaseWork, PlaceRecord, Ready, Settings};
 use super::shared::{Common, nominals, shares, wanted_on_standards};
 use super::turns::{Pairs, in_turn};
 use crate::engine::store::Store;
-use crate::results::bodies::estimate::{self, GIB, Resources, Work};
+use crate::results::bodies::estimate::{self, GIB, Resources, Room, Work};
 use crate::results::bodies::geometry;
 use crate::results::bodies::input::SolidsInput;
 use crate::study::parts as parts_of;
@@ -224,7 +224,9 @@ impl<'a> Places<'a> {
         let condensed = bodies + on_own.iter().sum::<usize>();
         // the places of a pair are pressed beside the making of the next bodies; own ones of shared bodies are made before these
         let beside = estimate.stages.get(1).filter(|_| bodies > 2).map_or(0.0, |stage| stage.memory);
-        let memory = estimate.memory() + beside + CASE * self.table.cases.len() as f64;
+        let room = Room::of(estimate.beside, self.resources.budget);
+        let together = if room.condensing { estimate.beside.condensing } else { 0.0 };
+        let memory = estimate.memory().max(together) + beside + CASE * self.table.cases.len() as f64;
         Ok(Some((0.5 * condensed as f64 * estimate.condensing_seconds + pressed, memory)))
     }
 

@@ -10,7 +10,7 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::linalg::cholesky::simplicial::{
     prefactorize_symbolic_cholesky, prefactorize_symbolic_cholesky_scratch,
 };
-use faer::sparse::{SparseColMat, SparseColMatRef, SymbolicSparseColMat};
+use faer::sparse::{SparseColMat, SparseColMatRef, SymbolicSparseColMat, SymbolicSparseColMatRef};
 use railspring_profiles::error::Result;
 
 /// The larger part has at most this share of the values of the whole factor; otherwise the memory saved is no reason for parts.
@@ -23,7 +23,7 @@ const EXTRA_WORK: f64 = 0.01;
 /// # Errors
 /// [`NumericsError`](railspring_profiles::error::NumericsError) if the matrix is not positive definite.
 pub(super) fn compliance(upper: SparseColMat<usize, f64>, interior: usize) -> Result<Mat<f64>> {
-    let (rest, interior) = match Cut::of(upper.as_ref(), interior) {
+    let (rest, interior) = match Cut::of(upper.symbolic(), interior) {
         Some(cut) => (cut.rest(upper)?, interior - cut.first),
         None => (upper, interior),
     };
@@ -33,16 +33,18 @@ pub(super) fn compliance(upper: SparseColMat<usize, f64>, interior: usize) -> Re
 }
 
 /// Where the equations are divided.
-struct Cut {
+pub(super) struct Cut {
     /// Equations of the first part.
     first: usize,
     /// Those of the second part that the first one touches, ascending.
     touched: Vec<usize>,
+    /// Values of the factor of the larger part, of those of the whole one.
+    pub larger: f64,
 }
 
 impl Cut {
     /// The one with the smallest larger part, among those that add little work; none where that saves little.
-    fn of(upper: SparseColMatRef<'_, usize, f64>, interior: usize) -> Option<Self> {
+    pub fn of(upper: SymbolicSparseColMatRef<'_, usize>, interior: usize) -> Option<Self> {
         let size = upper.ncols();
         // the first row of each column says from which cut on it is touched
         let first_row = |column: usize| upper.row_idx_of_col_raw(column).first().copied().unwrap_or(column);
@@ -66,14 +68,14 @@ impl Cut {
                 best = Some((larger, first));
             }
         }
-        let (_, first) = best?;
+        let (larger, first) = best?;
         let touched = (first..size).filter(|&column| first_row(column) < first).collect();
-        Some(Self { first, touched })
+        Some(Self { first, touched, larger: larger / values })
     }
 
     /// The matrix of the second part, when the first one is eliminated.
     fn rest(&self, upper: SparseColMat<usize, f64>) -> Result<SparseColMat<usize, f64>> {
-        let Self { first, touched } = self;
+        let Self { first, touched, .. } = self;
         let block = {
             let part = self.first_part(upper.as_ref());
             let factor = Factor::new(part.as_ref(), *first)?;
@@ -99,7 +101,7 @@ impl Cut {
 
     /// The matrix of the first part with the equations that it touches.
     fn first_part(&self, upper: SparseColMatRef<'_, usize, f64>) -> SparseColMat<usize, f64> {
-        let Self { first, touched } = self;
+        let Self { first, touched, .. } = self;
         let place = |row: usize| match row < *first {
             true => Some(row),
             false => touched.binary_search(&row).ok().map(|at| first + at),
@@ -114,11 +116,11 @@ impl Cut {
 }
 
 /// How many values each column of the factor has.
-fn heights(upper: SparseColMatRef<'_, usize, f64>) -> Vec<f64> {
+fn heights(upper: SymbolicSparseColMatRef<'_, usize>) -> Vec<f64> {
     let (size, entries) = (upper.ncols(), upper.compute_nnz());
     let (mut tree, mut counts) = (vec![0_isize; size], vec![0_usize; size]);
     let mut memory = MemBuffer::new(prefactorize_symbolic_cholesky_scratch::<usize>(size, entries));
-    prefactorize_symbolic_cholesky(&mut tree, &mut counts, upper.symbolic(), MemStack::new(&mut memory));
+    prefactorize_symbolic_cholesky(&mut tree, &mut counts, upper, MemStack::new(&mut memory));
     counts.into_iter().map(|count| count as f64).collect()
 }
 
@@ -203,14 +205,14 @@ mod tests {
     #[test]
     fn two_parts_have_the_compliance_of_the_whole() {
         let (matrix, interior) = chain(8, 30);
-        let cut = Cut::of(matrix.as_ref(), interior).expect("a place behind which one equation is touched");
+        let cut = Cut::of(matrix.symbolic(), interior).expect("a place behind which one equation is touched");
         assert_eq!((cut.first, cut.touched.as_slice()), (119, &[119][..]));
         let whole = Factor::new(matrix.as_ref(), interior).unwrap().retained_compliance();
         let parts = compliance(matrix, interior).unwrap();
         let largest = whole.norm_max();
         assert!((&parts - &whole).norm_max() < ROUNDOFF * largest);
         let (full, interior) = (chain(1, 60).0, 30);
-        assert!(Cut::of(full.as_ref(), interior).is_none());
+        assert!(Cut::of(full.symbolic(), interior).is_none());
         assert_eq!(compliance(full, interior).unwrap().nrows(), 30);
     }
 

@@ -59,7 +59,7 @@ impl<'a> Ordered<'a> {
         let one = |body: PairBody, nodes: usize| -> Result<Self> {
             monitor.progress(body.name(), 0, 5)?;
             let (parts, ordering) = timed("ordering", || solids.parts(body))?;
-            let (size, memory) = condensing(&parts, modes)?;
+            let (size, memory) = condensing(&parts, modes, body == PairBody::RailOnEnds)?;
             let stepping = stepping(&size, modes, 1);
             Ok(Self { body, solids: *solids, nodes, size, ordering, memory, stepping })
         };

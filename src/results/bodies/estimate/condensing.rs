@@ -19,13 +19,13 @@ pub(crate) const MASS: f64 = 27.0 * 12.0;
 const AT_ONCE: f64 = 24.0;
 
 /// The size of the factor of a body, and the bytes that it takes at most on the way to its condensed form with so many modes, besides its
-/// mesh and the order of its equations.
+/// mesh and the order of its equations; `section`: the motion of its section is wanted as well.
 ///
 /// # Errors
 /// A mesh that cannot be ordered.
-pub fn condensing(parts: &Parts<'_>, modes: usize) -> Result<(FactorSize, f64)> {
+pub fn condensing(parts: &Parts<'_>, modes: usize, section: bool) -> Result<(FactorSize, f64)> {
     let size = parts.size()?;
-    Ok((size, largest(&size, modes as f64)))
+    Ok((size, largest(&size, modes as f64, section)))
 }
 
 /// Bytes of a factor of so many values, with the indices and the work space of its factorisation.
@@ -34,7 +34,8 @@ pub(crate) fn factor(values: usize) -> f64 {
 }
 
 /// The largest of the stages of a body: factorisation, condensation, modes, and the compliance of the whole from those of its parts.
-pub(crate) fn largest(size: &FactorSize, modes: f64) -> f64 {
+pub(crate) fn largest(size: &FactorSize, modes: f64, section: bool) -> f64 {
+    let values = if modes > 0.0 || section { size.values } else { size.alone };
     let parts = size.parts as f64;
     let dense = VALUE * (size.retained as f64).powi(2);
     let of_part = dense / parts.powi(2);
@@ -47,7 +48,7 @@ pub(crate) fn largest(size: &FactorSize, modes: f64) -> f64 {
     let before = (parts - 1.0) * of_part;
     let beside = [ENTRY * size.entries as f64, before + 2.0 * of_part, of_part + vectors];
     let joined = if size.parts > 1 { dense + parts * of_part } else { 0.0 };
-    (factor(size.values) + beside.into_iter().fold(0.0, f64::max)).max(joined)
+    (factor(values) + beside.into_iter().fold(0.0, f64::max)).max(joined)
 }
 
 /// Bytes of a reduced body in so many `runs` in time: its compliance, which they share, and the far field and the shapes of each.

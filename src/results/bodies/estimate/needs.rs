@@ -123,11 +123,11 @@ impl Estimate {
         // references factor whole bodies, and so does full order in time
         let whole = |mesh: MeshSize, body: PairBody| -> Result<Body> {
             let system = solids.system(body)?;
-            Ok(Body { mesh, size: FactorSize::of(system.mesh, &system.numbering)? })
+            Ok(Body { mesh, size: FactorSize::of(system.mesh, &system.numbering)?, section: true })
         };
         let (rail, wheel) = rayon::join(|| count(PairBody::RailOnEnds), || count(PairBody::Wheel));
-        let rail = Body { mesh: MeshSize::of(&meshes.rail), size: rail? };
-        let wheel = Body { mesh: MeshSize::of(&meshes.wheel), size: wheel? };
+        let rail = Body { mesh: MeshSize::of(&meshes.rail), size: rail?, section: true };
+        let wheel = Body { mesh: MeshSize::of(&meshes.wheel), size: wheel?, section: false };
         let base = PROGRAM + NODE * (rail.mesh.nodes + wheel.mesh.nodes) as f64;
         let pair = Pair { input, geometry, meshes, rail, wheel, base };
         let Pair { rail, wheel, .. } = &pair;
@@ -141,7 +141,7 @@ impl Estimate {
                 condensing_seconds += pair.coarser()?.condensing_seconds();
             }
             let candidates = Candidates::of(input, geometry, meshes);
-            stages.push(pair.calibration(candidates));
+            stages.push(pair.calibration(candidates, !work.in_table));
             let loads = match work.in_table {
                 true => {
                     loads_in_turn(&input.statics.calibration.loads, &input.statics.calibration.fixed_loads)
@@ -165,7 +165,7 @@ impl Estimate {
             if input.statics.target_error.is_some() && input.statics.meshes_are_ours() {
                 let on_finer = pair.resized(&meshes.options().refined(FINER))?;
                 let more = on_finer.rail.mesh.contact as f64 / rail.mesh.contact as f64;
-                finer = Some(on_finer.calibration(candidates.times(more)));
+                finer = Some(on_finer.calibration(candidates.times(more), !work.in_table));
             }
         }
         if let Some(purpose) = work.reference {
@@ -261,6 +261,8 @@ impl Estimate {
 struct Body {
     mesh: MeshSize,
     size: FactorSize,
+    /// Whether the whole factor is wanted, for the motion of its section.
+    section: bool,
 }
 
 impl Body {
@@ -271,7 +273,7 @@ impl Body {
 
     /// Largest memory on the way there, with so many modes, bytes.
     fn making(&self, modes: f64) -> f64 {
-        largest(&self.size, modes)
+        largest(&self.size, modes, self.section)
     }
 
     /// Bytes of the inside of the body: the factor and the matrix.
@@ -302,10 +304,11 @@ impl Body {
             retained: 3 * mesh.contact,
             entries: times(self.size.entries, 1.0),
             values: times(self.size.values, 4.0 / 3.0),
+            alone: times(self.size.alone, 4.0 / 3.0),
             inside: times(self.size.inside, 4.0 / 3.0),
             multiplications: self.size.multiplications * ratio.powi(2),
         };
-        Self { mesh, size }
+        Self { mesh, size, ..*self }
     }
 
     /// Time of order, assembly, factor and reduction, s.
@@ -330,8 +333,8 @@ struct Pair<'a> {
 }
 
 impl Pair<'_> {
-    /// The calibration without its error bands.
-    fn calibration(&self, candidates: Candidates) -> StageEstimate {
+    /// The calibration without its error bands; with the fields under its loads, which need the inside of both bodies.
+    fn calibration(&self, candidates: Candidates, fields: bool) -> StageEstimate {
         let Self { input, rail, wheel, base, .. } = self;
         let ways = ways_held(self.input.statics);
         let of_states = |share: &f64| Candidates::dense(share * candidates.kept);
@@ -339,16 +342,19 @@ impl Pair<'_> {
         let modes = input.modes as f64;
         // one more of the rail is against its section; beside the pressed bodies the inside of one of them at a time
         let pressed = wheel.dense() + (ways + 1.0) * rail.dense() + states;
+        let (inside, seconds_inside) = match fields {
+            true => (wheel.inside().max(rail.inside()), wheel.seconds_inside() + rail.seconds_inside()),
+            false => (0.0, 0.0),
+        };
         let memory = [
             self.condensing((ways - 1.0) * rail.dense(), modes),
-            pressed + ways * Candidates::dense(candidates.first) + wheel.inside().max(rail.inside()),
+            pressed + ways * Candidates::dense(candidates.first) + inside,
         ];
         StageEstimate {
             stage: "calibration".into(),
             memory: base + memory.into_iter().fold(0.0, f64::max),
             seconds: self.condensing_seconds()
-                + wheel.seconds_inside()
-                + rail.seconds_inside()
+                + seconds_inside
                 + ways * pressing(input, &input.statics.calibration.loads, candidates)
                 + SECONDS_WHOLE_LOAD * input.statics.calibration.loads.len() as f64,
         }

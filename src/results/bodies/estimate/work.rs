@@ -15,7 +15,7 @@ pub struct Work {
     pub calibrate: bool,
     /// Load cases of the solid model: name and steps of the integration.
     pub solids: Vec<(String, usize)>,
-    /// Whether its places are those of a table, under all loads of the calibration.
+    /// Whether its places are those of a table: under all loads of the calibration, and without fields.
     pub in_table: bool,
     /// The questions to the reference.
     pub reference: Option<Purpose>,
