@@ -18,8 +18,8 @@ pub(crate) const MASS: f64 = 27.0 * 12.0;
 /// Vectors beside the modes: those that are solved at the same time, and their products.
 const AT_ONCE: f64 = 24.0;
 
-/// The size of the factor of a body, and the bytes that it takes at most on the way to its condensed form with so many modes, besides its
-/// mesh and the order of its equations; `section`: the motion of its section is wanted as well.
+/// The size of the factor of a body, and the bytes that it takes at most on the way to its condensed form with so many modes. Its mesh and the order of its
+/// equations are not among these. `section`: the motion of its section is wanted as well.
 ///
 /// # Errors
 /// A mesh that cannot be ordered.
