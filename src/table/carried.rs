@@ -58,11 +58,11 @@ const ONE_IN: u32 = 100;
 /// Whether the case of a study is one of these, by the hash of what its springs depend on: its measured surfaces are pressed on bodies of standards, as its table
 /// wants it, and on its own ones as well.
 pub(super) fn is_checked(study: &Study, bodies: BodiesKey) -> bool {
-    let key = || key(&study.statics());
-    let by_hash = |key: String| {
-        u32::from_str_radix(&key[..8.min(key.len())], 16).is_ok_and(|number| number % ONE_IN == 0)
-    };
-    shares(study, bodies) && by_hash(key())
+    if !shares(study, bodies) {
+        return false;
+    }
+    let key = key(&study.statics());
+    u32::from_str_radix(&key[..8.min(key.len())], 16).is_ok_and(|number| number % ONE_IN == 0)
 }
 
 /// The study of such a case on its own bodies: its laws alone are compared.

@@ -10,7 +10,7 @@ use super::shared::wanted_on_standards;
 
 impl CaseWork<'_> {
     /// Makes the places of the case on its own bodies, if it [is checked](is_checked), which are let go afterwards: at those of the shifts towards the rail (mm) at which the store does not
-    /// have them yet, or at all if they are made `fresh`. A case without own bodies is told of, and stays without the comparison.
+    /// have them yet, or at all if they are made `fresh`. A case without own bodies is reported, and stays without the comparison.
     ///
     /// # Errors
     /// An interruption.
@@ -21,8 +21,7 @@ impl CaseWork<'_> {
         let study = checking(self.study);
         let lets_go = wanted_on_standards(self.study, self.settings.bodies);
         let case = CaseWork { study: &study, settings: self.settings.on_own(), lets_go, ..*self };
-        let missing: Vec<f64> =
-            shifts_mm.iter().copied().filter(|shift| fresh || !case.has_place(*shift)).collect();
+        let missing = case.missing(shifts_mm, fresh);
         if missing.is_empty() {
             return Ok(());
         }

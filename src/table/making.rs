@@ -380,9 +380,14 @@ impl CaseWork<'_> {
     }
 
     /// Whether the store has the place at a shift towards the rail (mm), complete.
-    pub fn has_place(&self, shift_mm: f64) -> bool {
+    fn has_place(&self, shift_mm: f64) -> bool {
         let address = self.settings.address(self.study, shift_mm);
         PlaceRecord::taken(self.store, &address, self.said).is_some()
+    }
+
+    /// Those of the shifts towards the rail (mm) at which the store has no place, or all of them if places are made `fresh`.
+    pub fn missing(&self, shifts_mm: &[f64], fresh: bool) -> Vec<f64> {
+        shifts_mm.iter().copied().filter(|shift| fresh || !self.has_place(*shift)).collect()
     }
 
     /// The place at a shift towards the rail (mm), kept in the store.

@@ -248,25 +248,28 @@ impl Work {
 
     /// The cases of a package at their shifts, beside each other.
     fn pressed(&self, cases: &[CaseWork<'_>], shifts: &[Vec<f64>]) -> Result<Answer> {
-        let missing = |case: &CaseWork<'_>, shifts: &[f64]| -> Vec<f64> {
-            shifts.iter().copied().filter(|shift| self.fresh || !case.has_place(*shift)).collect()
-        };
-        for (case, shifts) in cases.iter().zip(shifts) {
-            case.check(&missing(case, shifts), self.fresh)?;
+        let missing: Vec<Vec<f64>> =
+            cases.par_iter().zip(shifts).map(|(case, shifts)| case.missing(shifts, self.fresh)).collect();
+        for (case, missing) in cases.iter().zip(&missing) {
+            case.check(missing, self.fresh)?;
         }
-        let press = |(case, shifts): (&CaseWork<'_>, &Vec<f64>)| -> Result<Vec<String>> {
-            let missing = missing(case, shifts);
-            if !missing.is_empty() {
-                let ready = case.ready()?;
-                missing
-                    .par_iter()
-                    .map(|shift| case.place(&ready, *shift).map(drop))
-                    .collect::<Result<()>>()?;
-            }
-            Ok(shifts.iter().map(|shift| case.settings.address(case.study, *shift).file()).collect())
-        };
-        let made: Vec<std::result::Result<Vec<String>, String>> =
-            cases.par_iter().zip(shifts).map(|case| or_reason(press(case))).collect::<Result<_>>()?;
+        let press =
+            |((case, shifts), missing): ((&CaseWork<'_>, &Vec<f64>), &Vec<f64>)| -> Result<Vec<String>> {
+                if !missing.is_empty() {
+                    let ready = case.ready()?;
+                    missing
+                        .par_iter()
+                        .map(|shift| case.place(&ready, *shift).map(drop))
+                        .collect::<Result<()>>()?;
+                }
+                Ok(shifts.iter().map(|shift| case.settings.address(case.study, *shift).file()).collect())
+            };
+        let made: Vec<std::result::Result<Vec<String>, String>> = cases
+            .par_iter()
+            .zip(shifts)
+            .zip(&missing)
+            .map(|case| or_reason(press(case)))
+            .collect::<Result<_>>()?;
         let mut answer = Answer::default();
         for (number, made) in made.into_iter().enumerate() {
             match made {

@@ -197,8 +197,7 @@ impl BodySource<'_> {
             return Ok(condensed);
         }
         let condensed = condense(key)?;
-        let [keeps_rail, keeps_wheel] = self.keeps;
-        if !(if body == PairBody::Wheel { keeps_wheel } else { keeps_rail }) {
+        if !self.keeps[usize::from(body == PairBody::Wheel)] {
             return Ok(condensed);
         }
         let artefact = Artefact::default().with(BODY, condensed.write());
