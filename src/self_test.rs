@@ -209,10 +209,10 @@ fn hertz() -> Result<Vec<Check>> {
     let modulus = Material::STEEL.contact_modulus(&Material::STEEL);
     let exact = point_contact(80e3, WHEEL, CROWN, modulus)?;
     let check = |name, found, expected, tolerance| Check::new(name, "Hertz", [found, expected], tolerance);
-    // ten cells and more across the patch; the tangent has the rim's points by steps
+    // ten cells and more across the patch
     Ok(vec![
         check("approach of an ellipse at 80 kN, m", found.0, exact.approach, 0.001),
-        check("tangent of an ellipse at 80 kN, N/m", found.1, exact.tangent_stiffness, 0.015),
+        check("tangent of an ellipse at 80 kN, N/m", found.1, exact.tangent_stiffness, 0.003),
     ])
 }
 
@@ -232,7 +232,7 @@ fn half_space_program() -> Result<Vec<Check>> {
         |name, found, expected, tolerance| Check::new(name, "CONTACT 25.2", [found, expected], tolerance);
     Ok(vec![
         check("approach of S1002 on UIC60, 3 mm, 94.6 kN, m", approach, EXPECTED[0], 0.01),
-        check("tangent of it, N/m", tangent, EXPECTED[1], 0.02),
+        check("tangent of it, N/m", tangent, EXPECTED[1], 0.01),
         check("contact area of it, m\u{b2}", area, EXPECTED[2], 0.01),
         check("largest pressure of it, Pa", pressure, EXPECTED[3], 0.02),
     ])

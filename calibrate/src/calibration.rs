@@ -11,6 +11,7 @@ mod candidates;
 mod regions;
 mod refined;
 mod patch;
+mod rim;
 mod press;
 
 pub use far_field::Solids;
@@ -339,16 +340,17 @@ fn singular(stage: &str, state: &Pressed) -> NumericsError {
 
 /// The point of a load by the displacement of the hub.
 pub fn load_point(wheel_on_rail: &WheelOnRail, state: &Pressed) -> Result<LoadPoint> {
-    let response = state.response.as_ref().ok_or_else(|| singular("tangent", state))?;
-    let tangent = response.stiffness[(0, 0)];
+    let answer = state.answer.as_ref().ok_or_else(|| singular("tangent", state))?;
+    let tangent = answer.stiffness;
     // change of the contact forces for one newton of load
-    let change: Vec<f64> = response.forces.col_as_slice(0).iter().map(|f| f / tangent).collect();
+    let change: Vec<f64> = answer.forces.iter().map(|f| f / tangent).collect();
     let [near, wheel, rail] = split(wheel_on_rail, state, &change);
     let penalty = match wheel_on_rail.enforcement {
         Enforcement::Exact => 0.0,
         Enforcement::Penalty(stiffness) => change.iter().map(|f| f * f / stiffness).sum(),
     };
-    let local = near + penalty;
+    let rim = wheel_on_rail.rim_compliance(state, answer);
+    let local = near + penalty + rim;
     let forces = &state.solution.forces[..state.points.len()];
     let penetration = match wheel_on_rail.enforcement {
         Enforcement::Exact => 0.0,
@@ -358,7 +360,7 @@ pub fn load_point(wheel_on_rail: &WheelOnRail, state: &Pressed) -> Result<LoadPo
     Ok(LoadPoint {
         force: state.load,
         displacement,
-        solid_tangent: tangent,
+        solid_tangent: 1.0 / (1.0 / tangent + rim),
         local_compliance: local,
         wheel_compliance: wheel,
         rail_compliance: rail,

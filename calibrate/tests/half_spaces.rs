@@ -25,10 +25,11 @@ fn crown(radius: f64, sign: f64) -> ProfileCurve {
 
 /// Source: Hertz (K.L. Johnson, Contact Mechanics, 1985, section 4.2). Goal: a wheel of 460 mm with a flat tread on a crown of 300 mm, of two
 /// materials: approach, m, and tangent, N/m, from 5 to 100 kN, of which the bodies have no part. Accuracy: DISCRETISATION of ten cells and more across:
-/// 0.1 % of the approach, and 1.5 % of the tangent, which the rim's points enter by steps.
+/// 0.1 % of the approach, and 0.3 % of the tangent: three times the scatter that is left where some cells of the rim join over the way of a tangent. The tangent of
+/// just the points that carry load is up to 1.5 % off.
 #[test]
 fn half_spaces_are_hertz() {
-    const DISCRETISATION: [f64; 2] = [0.001, 0.015];
+    const DISCRETISATION: [f64; 2] = [0.001, 0.003];
     let rail = crown(0.3, 1.0);
     let flat: Vec<_> = (-80..=80).map(|i| Point2::new(f64::from(i) * 2.5e-4, 0.0)).collect();
     let wheel = ProfileCurve::from_points(&flat, &[]).unwrap();
@@ -84,10 +85,10 @@ fn flange() -> Pair {
 
 /// Goal: on the flange at 70 degrees the tangent, N/m, is the slope of the displacement, m, along the normal and downwards, where the wheel slides along the
 /// flange and faces the rail elsewhere. Source: the displacement itself, the tangents integrated by trapezia over loads 1.14 apart. Accuracy: TRAPEZIA,
-/// 0.02 %, and what single points at the rim do to a tangent, 1 % over four steps. With gaps that follow the rail's normals it is 4 % off downwards.
+/// 0.02 %, and GRID: 0.1 % of each displacement at either end, over 41 % of it. With gaps that follow the rail's normals it is 4 % off downwards.
 #[test]
 fn a_tangent_on_the_flange_is_the_slope_of_the_displacement() {
-    const RIM: f64 = 0.01;
+    const GRID: f64 = 0.005;
     let pair = flange();
     for direction in [PressDirection::Normal, PressDirection::Vertical] {
         let along = direction.at(&pair);
@@ -106,7 +107,7 @@ fn a_tangent_on_the_flange_is_the_slope_of_the_displacement() {
                 .sum();
             let off = way / (part[4].displacement - part[0].displacement) - 1.0;
             println!("{direction:?}, {:.1} kN: {off:.4}", part[0].force * 1e-3);
-            assert!(off.abs() < RIM, "{direction:?} at {} N: {off}", part[0].force);
+            assert!(off.abs() < GRID, "{direction:?} at {} N: {off}", part[0].force);
         }
     }
 }

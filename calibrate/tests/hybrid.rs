@@ -140,7 +140,7 @@ impl HalfSpaceTable {
 /// curvature.
 ///
 /// Accuracy, of the reference's model and grid. Approach: 1 % (the program's own 0.2 %, the grid's 0.1 %, the
-/// interpolated far field 0.5 %). Tangent: 2 % (a line of points more or less at the rim is 1 %). Area: 3 %.
+/// interpolated far field 0.5 %). Tangent: 2 % (the far field, and head and rim that bend as below). Area: 3 %.
 /// The grid has 0.5 % of it, the rest is where head and rim bend under 80 kN and more. There the largest
 /// pressure is lower by as much as the area is larger. Largest pressure: 5 %.
 #[test]
@@ -193,11 +193,11 @@ pub(super) fn stiff_bodies() -> &'static Bodies {
 /// from 80 kN on. Goal: the difference there, and at 5 mm, comes from rim and head, which roll and shift load
 /// between the regions. With both bodies rigid from 20 mm below their surfaces on, the tangent of the `local`
 /// law is that of the program. Its bodies are half-spaces on rigid ones. At 5 mm the tangent of bodies that
-/// roll is smaller than that of rigid ones by a tenth or more. Accuracy: tangent 2 %, as where one region
-/// carries.
+/// roll is smaller than that of rigid ones by a tenth or more. Accuracy: tangent 0.5 %, of which
+/// rim and grid have 0.3 %.
 #[test]
 fn where_two_regions_carry_rim_and_head_roll() {
-    const TANGENT: f64 = 0.02;
+    const TANGENT: f64 = 0.005;
     let rigid = stiff_bodies();
     let local = |bodies: &Bodies, pair: &Pair| {
         patches(&on(bodies, pair, 0.0, ContactField::Hybrid), &[40e3, 80e3, 120e3], Reference::Local)
@@ -228,14 +228,16 @@ fn roughness(points: &[LoadPoint], from: f64) -> f64 {
 
 /// Goal: the tangents under 60 loads from 1 to 150 kN, each 9 % above the one before, are free of the
 /// staircase of the contact nodes, whose second differences of the logarithm reach 0.2 to 0.4. Each is the
-/// slope of the displacements beside it. Accuracy: DISCRETISATION. A line of points at the rim of a patch of
-/// sixteen is 3 % of the tangent where it comes at once. A secant over two loads lies within 2.5 %. Centred,
-/// a second region closes at 4 kN, which is no staircase. The second difference is 0.06 there.
+/// slope of the displacements beside it. Accuracy: DISCRETISATION. Each tangent scatters by 0.1 % with the points at
+/// the rim, so that the largest of sixty second differences is four times that. The tangent of just the points that carry has 0.03.
+/// SLOPE: a displacement is 0.03 % off on another grid, over 17 % of the load. Centred,
+/// a second region closes at 4 kN, which is no staircase. The second difference is 0.05 there, and the secant 2 % off.
 #[test]
 fn the_tangents_change_smoothly_with_the_load() {
-    const DISCRETISATION: f64 = 0.04;
+    const DISCRETISATION: f64 = 0.005;
     const SECOND_REGION: f64 = 0.08;
-    const SLOPE: f64 = 0.025;
+    const SLOPE: f64 = 0.01;
+    const CLOSING: f64 = 0.025;
     let loads: Vec<f64> = (0..60).map(|n| 1e3 * 150.0_f64.powf(f64::from(n) / 59.0)).collect();
     for (lateral_shift, limit) in [(-3e-3, DISCRETISATION), (0.0, SECOND_REGION)] {
         let pair = pair(lateral_shift);
@@ -249,7 +251,9 @@ fn the_tangents_change_smoothly_with_the_load() {
         for w in hybrid.windows(3) {
             let secant = (w[2].force - w[0].force) / (w[2].displacement - w[0].displacement);
             let ratio = w[1].solid_tangent / secant;
-            assert!((ratio - 1.0).abs() < SLOPE, "{} N: {ratio}", w[1].force);
+            let closes = lateral_shift == 0.0 && (3e3..6e3).contains(&w[1].force);
+            let slope = if closes { CLOSING } else { SLOPE };
+            assert!((ratio - 1.0).abs() < slope, "{} N: {ratio}", w[1].force);
         }
     }
 }

@@ -401,8 +401,7 @@ impl CaseWork<'_> {
         let pressed = PlaceSettings {
             direction: settings.direction.into(),
             fixed_loads: &fixed_loads,
-            // for thousands of wheels they would take a tenth of the time, and have no columns
-            stresses: settings.bodies == BodiesKey::Own,
+            of_thousands: settings.bodies != BodiesKey::Own,
         };
         let shift = shift_mm * MILLIMETRE;
         let coarser = coarser.as_ref().map(|(element, bodies)| (*element, bodies));

@@ -14,6 +14,7 @@ use rayon::prelude::*;
 
 use super::carried::is_checked;
 use super::cases::{Case, Table};
+use super::document::BodiesKey;
 use super::made::{Held, IN_MEMORY, Made, Place, share_measured};
 use super::making::{CaseWork, PlaceRecord, Ready, Settings};
 use super::shared::{Common, nominals, shares, wanted_on_standards};
@@ -26,6 +27,9 @@ use crate::study::parts as parts_of;
 
 /// Cases of which the places are looked at to foretell the time of a table, at most.
 const CASES_LOOKED_AT: usize = 30;
+
+/// Time of a place on the wider grid of shared bodies, over that on the usual grid.
+const ON_WIDER_GRID: f64 = 0.7;
 
 /// Bytes of a case in the memory: its study, and where its places are in the store. Measured with 10,000 cases of five places.
 const CASE: f64 = 11e3;
@@ -220,7 +224,9 @@ impl<'a> Places<'a> {
         // the threads share the places of all cases
         let threads = rayon::current_num_threads() as f64;
         let on_own = self.on_own_as_well(missing);
-        let pressed = mean * (missing.len() + on_own.len()) as f64 * estimate.place_seconds / threads;
+        let a_case = if self.table.document.bodies() == BodiesKey::Own { 1.0 } else { ON_WIDER_GRID };
+        let cases = a_case * missing.len() as f64 + on_own.len() as f64;
+        let pressed = mean * cases * estimate.place_seconds / threads;
         let condensed = bodies + on_own.iter().sum::<usize>();
         // the places of a pair are pressed beside the making of the next bodies; own ones of shared bodies are made before these
         let beside = estimate.stages.get(1).filter(|_| bodies > 2).map_or(0.0, |stage| stage.memory);

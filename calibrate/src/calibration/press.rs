@@ -2,12 +2,11 @@
 
 use super::candidates::{Candidates, FinePlan};
 use super::grid::touches_border;
-use super::pressed::{ContactField, Elasticity, Pressed, WheelOnRail, edge_reached};
+use super::pressed::{Answer, Elasticity, Pressed, WheelOnRail, edge_reached};
 use crate::contact::{
-    ContactPoint, Factors, FreeDirection, HubResponse, PointMode, Problem, Solution, TOLERANCE, gaps,
-    response_to, solve_to,
+    ContactPoint, Factors, FreeDirection, Problem, Solution, TOLERANCE, gaps, response_to, solve_to,
 };
-use nalgebra::{DMatrix, Vector2};
+use nalgebra::Vector2;
 use railspring_profiles::error::{Error, InputError, NumericsError, Result, StopReason};
 use railspring_profiles::field::InputField;
 use std::sync::OnceLock;
@@ -172,12 +171,9 @@ impl WheelOnRail<'_> {
         // how the hub has moved since the previous state, where that has the grid for the next one
         let mut step: Option<Vector2<f64>> = None;
         // from a state of the same pair the hub is found so well that the first solution may be the last
-        let from_own = near.is_some_and(|near| near.response.is_some()) && plan.is_from_start();
+        let from_own = near.is_some_and(|near| near.answer.is_some()) && plan.is_from_start();
         let mut factors = Factors::default();
-        let tolerance = match self.field {
-            ContactField::Elements => HUB_TOLERANCE,
-            ContactField::Hybrid | ContactField::HybridHalved => FINE_HUB_TOLERANCE,
-        };
+        let tolerance = if self.field.is_fine() { FINE_HUB_TOLERANCE } else { HUB_TOLERANCE };
         for iteration in 0..PAIRING_LIMIT {
             let paired_before = previous.is_some();
             let again = step.take().and_then(|step| self.paired_again(&mut previous, &hub, &step));
@@ -185,11 +181,10 @@ impl WheelOnRail<'_> {
                 Some(again) => again,
                 None => {
                     let last = previous.as_ref().or(near);
-                    let candidates = match self.field {
-                        ContactField::Elements => self.element_candidates(&hub, previous.as_ref(), near),
-                        ContactField::Hybrid | ContactField::HybridHalved => {
-                            self.fine_candidates(&hub, load, last, &mut plan)
-                        }
+                    let candidates = if self.field.is_fine() {
+                        self.fine_candidates(&hub, load, last, &mut plan)
+                    } else {
+                        self.element_candidates(&hub, previous.as_ref(), near)
                     };
                     let Candidates { points, elasticity, .. } = &candidates;
                     if points.is_empty() {
@@ -241,9 +236,9 @@ impl WheelOnRail<'_> {
                 hub += along * share * way;
                 step = Some(along * share * way);
             }
-            let (response, motions, node_gaps) = (None, OnceLock::new(), OnceLock::new());
+            let (answer, motions, node_gaps) = (None, OnceLock::new(), OnceLock::new());
             let mut state =
-                Pressed { load, hub, points, free, solution, response, elasticity, motions, node_gaps };
+                Pressed { load, hub, points, free, solution, answer, elasticity, motions, node_gaps };
             if self.revise(&mut plan, &state, settled) {
                 (previous, step) = (Some(state), None);
                 continue;
@@ -260,7 +255,7 @@ impl WheelOnRail<'_> {
                 if let Some(reason) = reached {
                     return Err(failure(iteration, 0.0, active, reason));
                 }
-                state.response = self.response(&state, &mut factors);
+                state.answer = self.answer(&state, &mut factors);
                 return Ok(state);
             }
             previous = Some(state);
@@ -321,16 +316,14 @@ impl WheelOnRail<'_> {
 
     /// The answer to a motion of the hub along its direction. The wheel faces the rail elsewhere then, so that its gaps follow the normals of the
     /// wheel and not those of the rail: on a flange that is pressed downwards, the tangent is off by a tenth and more without it.
-    fn response(&self, state: &Pressed, factors: &mut Factors) -> Option<HubResponse> {
+    fn answer(&self, state: &Pressed, factors: &mut Factors) -> Option<Answer> {
         let along = self.world_direction();
         let n = state.points.len();
         let weights: Vec<f64> =
             (0..state.free.len()).map(|row| state.points[row % n].direction(row / n).dot(&along)).collect();
         let mut rates = weights.clone();
         if let Some(fine) = state.fine() {
-            let carrying = |j: &usize| state.solution.modes[*j] != PointMode::Open;
-            let carrying: Vec<usize> = (0..n).filter(carrying).collect();
-            let nodes: Vec<_> = carrying.iter().map(|&j| state.points[j].index).collect();
+            let nodes: Vec<_> = state.points.iter().map(|point| point.index).collect();
             let [before, after] = [-GAP_STEP, GAP_STEP].map(|step| {
                 let hub = state.hub + self.along.into_inner() * step;
                 fine.lattice.points(&self.rail_surface, &self.wheel_surface.moved(&hub), &nodes)
@@ -338,16 +331,18 @@ impl WheelOnRail<'_> {
             let gap = |points: &[ContactPoint], index| {
                 points.binary_search_by_key(&index, |point| point.index).ok().map(|at| points[at].gap)
             };
-            for (&j, &index) in carrying.iter().zip(&nodes) {
+            for (rate, &index) in rates.iter_mut().zip(&nodes) {
                 if let (Some(before), Some(after)) = (gap(&before, index), gap(&after, index)) {
-                    rates[j] = (after - before) / (2.0 * GAP_STEP);
+                    *rate = (after - before) / (2.0 * GAP_STEP);
                 }
             }
         }
         let problem = state.problem(self.friction);
-        let forces = response_to(&problem, &state.solution, &[rates], false, factors)?;
-        let stiffness: f64 = forces.col_as_slice(0).iter().zip(&weights).map(|(f, w)| -f * w).sum();
-        Some(HubResponse { stiffness: DMatrix::from_element(1, 1, stiffness), forces })
+        let forces = response_to(&problem, &state.solution, std::slice::from_ref(&rates), false, factors)?;
+        let forces = forces.col_as_slice(0).to_vec();
+        let stiffness = forces.iter().zip(&weights).map(|(force, weight)| -force * weight).sum();
+        rates.truncate(n);
+        Some(Answer { stiffness, forces, rates })
     }
 
     /// Adds the tangential motion with the hub at `hub` since the state `before`, or since just touching; the contact

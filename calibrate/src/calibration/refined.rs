@@ -43,6 +43,16 @@ struct OnGrid {
     size: Size,
 }
 
+impl OnGrid {
+    fn new(lattice: &Lattice, points: Vec<ContactPoint>, contact: FineContact, normal: Vec<f64>) -> Self {
+        let size = Size {
+            pressure: normal.iter().zip(&points).map(|(force, point)| force / point.area).fold(0.0, f64::max),
+            area: area(lattice, &points, &normal),
+        };
+        Self { hats: hats(&points, &normal), contact, points, normal, size }
+    }
+}
+
 /// The regions of a settled load, each on two grids.
 pub(super) struct Refined {
     /// On cells twice as large as the finest.
@@ -156,9 +166,25 @@ impl Settled<'_> {
             let wanted = (CELLS_ACROSS * self.fine.lattice.cell[axis] / across[axis]).log2().ceil();
             (wanted as i32).clamp(1 - axis as i32, HALVINGS)
         });
-        let twice = self.solve(r, halvings.map(|h| h - 1), None)?;
+        let twice = match halvings.map(|h| h - 1) {
+            [0, 0] => self.of_load(r),
+            coarser => self.solve(r, coarser, None)?,
+        };
         let finest = self.solve(r, halvings, Some(&twice))?;
         Ok(Region { halvings, twice, finest })
+    }
+
+    /// A region on the grid of the load itself.
+    fn of_load(&self, r: usize) -> OnGrid {
+        let (points, forces) = (&self.state.points, &self.state.solution.forces);
+        let nodes: Vec<_> = self.regions[r].iter().map(|&j| points[j].index).collect();
+        let (own, contact) = self.fine.at_nodes(&self.solids, self.fine.lattice, &nodes);
+        let of_load = |point: &ContactPoint| {
+            let at = points.binary_search_by_key(&point.index, |point| point.index);
+            at.map_or(0.0, |j| forces[j])
+        };
+        let normal = own.iter().map(of_load).collect();
+        OnGrid::new(&self.fine.lattice, own, contact, normal)
     }
 
     /// A region on the grid of the load halved so often, from the forces on a coarser grid, or those of the load.
@@ -229,11 +255,7 @@ impl Settled<'_> {
         let problem = Problem { points: &own, compliance, free: &free, friction: 0.0, hub: &[] };
         let normal = solve_held(&problem, &start)?;
         drop(alone);
-        let size = Size {
-            pressure: normal.iter().zip(&own).map(|(force, point)| force / point.area).fold(0.0, f64::max),
-            area: area(&lattice, &own, &normal),
-        };
-        Ok(OnGrid { hats: hats(&own, &normal), contact, points: own, normal, size })
+        Ok(OnGrid::new(&lattice, own, contact, normal))
     }
 
     /// Nodes of a `lattice` within the `reach`, in cells of the coarser of both grids, of the `carrying` points of a region (in the order of their lines), as

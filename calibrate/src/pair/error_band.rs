@@ -286,7 +286,7 @@ impl<'a> Solid<'a> {
         })
     }
 
-    /// Changes to a grid of half the spacing; none for a contact on the nodes of the meshes.
+    /// Changes to the halved grid; none for a contact on the nodes of the meshes.
     ///
     /// The grid concerns the normal contact, which is the same whatever holds the rail. So the wheel is pressed on both grids without
     /// friction and with the section held, and what displacement and compliance change by there, they change by in every law of the solids; on
@@ -321,7 +321,7 @@ impl<'a> Solid<'a> {
             let contact = ContactConditions { field, friction: 0.0, ..self.contact };
             self.placed(self.pair, self.bodies, reference, contact)
         };
-        let (on_grid, on_halved) = (on(ContactField::Hybrid)?, on(ContactField::HybridHalved)?);
+        let (on_grid, on_halved) = (on(self.contact.field)?, on(ContactField::HybridHalved)?);
         let states = press_loads_apart(&on_grid, &loads, stage, monitor)?;
         let mut halved = Vec::new();
         for (i, state) in states.iter().enumerate() {

@@ -14,8 +14,8 @@ use crate::time::newmark::Newmark;
 use crate::time::scenario::Scenario;
 use nalgebra::{Point2, Vector2};
 use railspring_calibrate::calibration::{
-    ContactField, Displaced, FineContact, Placed, Places, Solids, Zone, carry_over, cell_for, distance,
-    too_coarse, touches_border, widened, widths,
+    Displaced, FineContact, Placed, Places, Solids, Zone, carry_over, cell_for, distance, too_coarse,
+    touches_border, widened, widths,
 };
 use railspring_calibrate::contact::{
     ContactPoint, Factors, HalfSpace, Lattice, Problem, Side, Surface, solve, solve_with,
@@ -125,9 +125,9 @@ impl<'m> StepContact<'m> {
         let expected =
             settled.map_or(Places::of_hub(predicted), |settled| settled.expected(*predicted, step));
         let first = settled.map_or(expected, |settled| settled.corrected(&expected, step));
-        let (solved, end) = match self.model.field {
-            ContactField::Elements => self.between_nodes(bodies, first, last),
-            ContactField::Hybrid | ContactField::HybridHalved => self.on_fine_grid(bodies, first, last),
+        let (solved, end) = match self.model.field.is_fine() {
+            true => self.on_fine_grid(bodies, first, last),
+            false => self.between_nodes(bodies, first, last),
         }?;
         let settled = Settled::new(&end.places, &expected, &end.hub, step, settled);
         Ok(LastContact { settled: Some(settled), earlier: last.carried(), ..solved })

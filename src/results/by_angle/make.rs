@@ -1,7 +1,7 @@
 //! The law by contact angle: the calibration's bodies with the wheel in other places across the track.
 
 use nalgebra::Matrix2;
-use railspring_calibrate::calibration::{LoadPoint, NormalCalibration, Reference, Region};
+use railspring_calibrate::calibration::{ContactField, LoadPoint, NormalCalibration, Reference, Region};
 use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::pair::{
     AngleLaw, AngleSettings, CondensedPair, FixedLoad, PressDirection, ShiftLaw, TouchPoint,
@@ -122,8 +122,8 @@ pub struct PlaceSettings<'a> {
     pub direction: PressDirection,
     /// The loads, within the range of the study's.
     pub fixed_loads: &'a [f64],
-    /// Whether the stresses below the patches are sought.
-    pub stresses: bool,
+    /// Whether it is one of thousands of places: on a wider grid, and without the stresses below the patches, of which it has no columns.
+    pub of_thousands: bool,
 }
 
 /// The law of the pair under the loads of the study at one shift (m) of the wheelset, on condensed bodies; with its error band where there
@@ -135,15 +135,18 @@ pub fn place(
     statics: Statics<'_>,
     geometry: &Geometry,
     bodies: &CondensedPair,
-    &PlaceSettings { direction, fixed_loads, stresses }: &PlaceSettings,
+    &PlaceSettings { direction, fixed_loads, of_thousands }: &PlaceSettings,
     shift: f64,
     coarser: Option<(f64, &CoarserBodies)>,
     monitor: &dyn Monitor,
 ) -> Result<ShiftRecord> {
     let pair = &geometry.pair;
     let loads = &statics.calibration.loads;
-    let contact = contact_conditions(statics);
-    let settings = AngleSettings { contact, direction, loads, fixed_loads, stresses };
+    let mut contact = contact_conditions(statics);
+    if of_thousands && contact.field.is_fine() {
+        contact.field = ContactField::HybridWider;
+    }
+    let settings = AngleSettings { contact, direction, loads, fixed_loads, stresses: !of_thousands };
     let laws = law_by_shift(pair, bodies, &settings, &[tape_y(statics, pair, shift)], monitor)?;
     let bands =
         coarser.map(|coarser| bands(geometry, bodies, coarser, &settings, &laws, monitor)).transpose()?;

@@ -1,7 +1,6 @@
 //! Loads in turn.
 
-use super::super::{Enforcement, Reference, load_point};
-use super::*;
+use super::super::{ContactField, Enforcement, Reference, load_point};
 use crate::mesh::MeshOptions;
 use crate::pair::{ContactConditions, Pair, PairBody};
 use crate::solid::{Formulation, Material};
