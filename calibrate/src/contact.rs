@@ -84,7 +84,7 @@ mod subsurface;
 
 pub use compliance::{BodyCompliance, Compliance, NodalCompliance, PenaltySprings, Terms, total};
 pub use half_space::HalfSpace;
-pub use half_space::{add_half_spaces, displacement_far_from};
+pub use half_space::{displacement_far_from, subtract_half_spaces};
 pub use hybrid::{Hybrid, Share, Shares};
 pub use iterative::Factors;
 pub use lattice::Lattice;

@@ -253,22 +253,21 @@ impl Work {
         for (case, missing) in cases.iter().zip(&missing) {
             case.check(missing, self.fresh)?;
         }
-        let press =
-            |((case, shifts), missing): ((&CaseWork<'_>, &Vec<f64>), &Vec<f64>)| -> Result<Vec<String>> {
-                if !missing.is_empty() {
-                    let ready = case.ready()?;
-                    missing
-                        .par_iter()
-                        .map(|shift| case.place(&ready, *shift).map(drop))
-                        .collect::<Result<()>>()?;
-                }
-                Ok(shifts.iter().map(|shift| case.settings.address(case.study, *shift).file()).collect())
-            };
+        let press = |case: &CaseWork<'_>, shifts: &[f64], missing: &[f64]| -> Result<Vec<String>> {
+            if !missing.is_empty() {
+                let ready = case.ready()?;
+                missing
+                    .par_iter()
+                    .map(|shift| case.place(&ready, *shift).map(drop))
+                    .collect::<Result<()>>()?;
+            }
+            Ok(shifts.iter().map(|shift| case.settings.address(case.study, *shift).file()).collect())
+        };
         let made: Vec<std::result::Result<Vec<String>, String>> = cases
             .par_iter()
             .zip(shifts)
             .zip(&missing)
-            .map(|case| or_reason(press(case)))
+            .map(|((case, shifts), missing)| or_reason(press(case, shifts, missing)))
             .collect::<Result<_>>()?;
         let mut answer = Answer::default();
         for (number, made) in made.into_iter().enumerate() {

@@ -1,8 +1,8 @@
 //! The far field of two condensed bodies: what they are beyond their half-spaces.
 
 use crate::contact::{
-    BodyCompliance, ContactPoint, HalfSpace, NodalCompliance, Side, Surface, add_half_spaces, locate,
-    pair_nodes, total,
+    BodyCompliance, ContactPoint, HalfSpace, NodalCompliance, Side, Surface, locate, pair_nodes,
+    subtract_half_spaces, total,
 };
 use crate::superelement::times;
 use faer::Mat;
@@ -86,20 +86,15 @@ impl FarField {
         };
         let (mut rail_part, mut wheel_part) =
             rayon::join(|| of(of_rail, Side::Base), || of(of_wheel, Side::Opposing));
-        let mut near = [&rail_part, &wheel_part].map(|body| Mat::<f64>::zeros(body.nrows(), body.ncols()));
-        let [near_rail, near_wheel] = &mut near;
         let [rail_half, wheel_half] = &solids.half_spaces;
         let wanted = |a, b| stand_ins.of(a, b).is_none();
-        add_half_spaces([rail_half, wheel_half], &points, wanted, [near_rail, near_wheel]);
-        for (body, near) in [&mut rail_part, &mut wheel_part].into_iter().zip(&near) {
-            for c in 0..near.ncols() {
-                let values = body.col_as_slice_mut(c).iter_mut().zip(near.col_as_slice(c));
-                values.for_each(|(rest, value)| *rest -= value);
-            }
-            stand_ins.smooth(body);
+        subtract_half_spaces([rail_half, wheel_half], &points, wanted, [&mut rail_part, &mut wheel_part]);
+        [&mut rail_part, &mut wheel_part].into_iter().for_each(|body| stand_ins.smooth(body));
+        let mut sum = rail_part.clone();
+        for c in 0..sum.ncols() {
+            let values = sum.col_as_slice_mut(c).iter_mut().zip(wheel_part.col_as_slice(c));
+            values.for_each(|(sum, value)| *sum += value);
         }
-        let sum =
-            Mat::from_fn(rail_part.nrows(), rail_part.ncols(), |r, c| rail_part[(r, c)] + wheel_part[(r, c)]);
         let twins = twins(&points, &slot, columns);
         let twins = is_mirrored(&sum, &twins).then(|| Arc::new(twins));
         let bodies = [rail_part, wheel_part];
@@ -160,13 +155,15 @@ fn twins(points: &[ContactPoint], slot: &[Option<usize>], columns: usize) -> Vec
 fn is_mirrored(sum: &Mat<f64>, twins: &[Option<usize>]) -> bool {
     let n = twins.len();
     let largest = (0..sum.nrows()).fold(0.0_f64, |m, row| m.max(sum[(row, row)].abs()));
-    let twin_of = |row: usize| Some(row / n * n + twins[row % n]?);
-    // along the track the mirror image has the opposite direction
-    let sign = |row: usize| if row / n == 2 { -1.0 } else { 1.0 };
-    (0..sum.ncols()).filter_map(|c| Some((c, twin_of(c)?))).all(|(c, mirrored)| {
-        let (column, mirrored) = (sum.col_as_slice(c), sum.col_as_slice(mirrored));
-        let odd = |r: usize| twin_of(r).map_or(0.0, |twin| column[r] - sign(r) * sign(c) * mirrored[twin]);
-        (0..column.len()).all(|r| odd(r).abs() <= ALIKE * largest)
+    // rows with their mirror image, and its sign: along the track it has the opposite direction
+    let twin_of =
+        |row: usize| Some((row, row / n * n + twins[row % n]?, if row / n == 2 { -1.0 } else { 1.0 }));
+    let rows: Vec<(usize, usize, f64)> = (0..sum.nrows()).filter_map(twin_of).collect();
+    rows.iter().all(|(c, mirrored, sign_of_column)| {
+        let (column, mirrored) = (sum.col_as_slice(*c), sum.col_as_slice(*mirrored));
+        let odd =
+            |(r, twin, sign): &(usize, usize, f64)| column[*r] - sign * sign_of_column * mirrored[*twin];
+        rows.iter().all(|row| odd(row).abs() <= ALIKE * largest)
     })
 }
 

@@ -26,7 +26,7 @@ struct Normal<'a> {
 }
 
 impl WheelOnRail<'_> {
-    /// What is to be added to the tangent compliance of the points that carry load at a state, m/N, for that of the whole patch; 0 on the nodes of meshes, and where
+    /// What is to be added to the tangent compliance of the points that carry load at a state, m/N, for that of the whole patch. It is 0 on the nodes of meshes, and where
     /// a patch begins so near the load that no way is short enough.
     pub(super) fn rim_compliance(&self, state: &Pressed, answer: &Answer) -> f64 {
         let Some(fine) = state.fine() else { return 0.0 };

@@ -91,7 +91,6 @@ impl Compliance for BodyCompliance<'_> {
         }
         let mut places = vec![0; touched.len()];
         used.iter().enumerate().for_each(|(place, &dof)| places[dof] = place);
-        let mut upper = Mat::zeros(size, size);
         if let Some(factors) = product {
             let [a, b] = factors.map(|all| {
                 let mut of_rows = Mat::<f64>::zeros(size, all.ncols());
@@ -102,19 +101,26 @@ impl Compliance for BodyCompliance<'_> {
                 }
                 of_rows
             });
-            matmul(upper.as_mut(), Accum::Replace, a.as_ref(), b.transpose(), 1.0, Par::Seq);
+            matmul(matrix.as_mut(), Accum::Add, a.as_ref(), b.transpose(), 1.0, Par::Seq);
         }
         for column in 0..size {
             let by_place: Vec<(usize, f64)> = row(column).iter().map(|&(dof, w)| (places[dof], w)).collect();
-            let upper = &mut upper.col_as_slice_mut(column)[..=column];
+            let upper = &mut matrix.col_as_slice_mut(column)[..=column];
             add_columns(&moved, 0..column + 1, &by_place, upper);
         }
-        for column in 0..size {
-            for r in 0..column {
-                matrix[(r, column)] += upper[(r, column)];
+        copy_upper(matrix);
+    }
+}
+
+/// Makes a matrix symmetric by the values above its diagonal, block by block, so that what is written stays in the cache.
+fn copy_upper(matrix: &mut Mat<f64>) {
+    const BLOCK: usize = 32;
+    let size = matrix.nrows();
+    for first in (0..size).step_by(BLOCK) {
+        for column in first..size {
+            for r in first..(first + BLOCK).min(column) {
                 matrix[(column, r)] = matrix[(r, column)];
             }
-            matrix[(column, column)] += upper[(column, column)];
         }
     }
 }

@@ -118,7 +118,7 @@ pub fn displacement_far_from(
 
 impl Compliance for HalfSpace {
     fn add_to(&self, points: &[ContactPoint], matrix: &mut Mat<f64>) {
-        add_half_spaces([self], points, |_, _| true, [matrix]);
+        add_half_spaces([self], points, |_, _| true, [matrix], 1.0);
     }
 }
 
@@ -142,13 +142,24 @@ fn known_means(d: &Vector2<f64>, a: &Vector2<f64>, b: &Vector2<f64>) -> Kernels 
     })
 }
 
-/// Adds the compliance of several half-spaces to a matrix each, between the `wanted` of the pairs of points, by their places
+/// Takes the compliance of several half-spaces from a matrix each, between the `wanted` of the pairs of points, by their places
 /// in the list.
-pub fn add_half_spaces<const N: usize>(
+pub fn subtract_half_spaces<const N: usize>(
+    bodies: [&HalfSpace; N],
+    points: &[ContactPoint],
+    wanted: impl Fn(usize, usize) -> bool,
+    matrices: [&mut Mat<f64>; N],
+) {
+    add_half_spaces(bodies, points, wanted, matrices, -1.0);
+}
+
+/// Adds it, multiplied by the `sign`.
+fn add_half_spaces<const N: usize>(
     bodies: [&HalfSpace; N],
     points: &[ContactPoint],
     wanted: impl Fn(usize, usize) -> bool,
     mut matrices: [&mut Mat<f64>; N],
+    sign: f64,
 ) {
     let n = points.len();
     let directions = matrices.first().map_or(0, |matrix| matrix.nrows()).checked_div(n).unwrap_or(0);
@@ -157,13 +168,13 @@ pub fn add_half_spaces<const N: usize>(
         for i in (0..=j).filter(|&i| wanted(i, j)) {
             let d = points[i].position - points[j].position;
             let mut means = known_means(&d.abs(), &points[i].widths, &points[j].widths);
-            let sign = Vector2::new(d.x.signum(), d.y.signum());
-            means.shear *= sign.x * sign.y;
-            means.gradient.component_mul_assign(&sign);
+            let side = Vector2::new(d.x.signum(), d.y.signum());
+            means.shear *= side.x * side.y;
+            means.gradient.component_mul_assign(&side);
             for (factors, matrix) in factors.iter().zip(&mut matrices) {
                 for to in 0..directions {
                     for from in 0..directions {
-                        let value = factors.entry(&means, to, from);
+                        let value = sign * factors.entry(&means, to, from);
                         matrix[(to * n + i, from * n + j)] += value;
                         if i != j {
                             matrix[(from * n + j, to * n + i)] += value;

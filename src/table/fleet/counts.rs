@@ -79,8 +79,9 @@ pub fn section(bodies: &Bodies<'_>) -> Section {
         .collect();
     if !failed.is_empty() {
         section.text.push(format!(
-            "{} of {} have no law at any place: {}.",
+            "{} of {} {} have no law at any place: {}.",
             failed.len(),
+            bodies.bodies.len(),
             kind.several(),
             named(&failed, FAILED)
         ));
