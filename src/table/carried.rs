@@ -146,7 +146,8 @@ impl BodiesRecord {
             displacement_rel_band: band(1e-3, [6e-3, 1.5e-3], 1.5e-3),
             tangent_rel_band: band(13e-3, [8e-3, 2e-3], 6e-3),
             tangent_rel_bands: Vec::new(),
-            horizontal_rel_band: band(3e-3, [5e-3, 2e-3], 5e-3),
+            // half of the grid's part is that of the wider grid
+            horizontal_rel_band: band(6e-3, [5e-3, 2e-3], 5e-3),
             own: None,
         };
         Self { of: bodies, carried: Some(carried) }
