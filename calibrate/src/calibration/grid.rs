@@ -35,22 +35,33 @@ pub fn too_coarse(lattice: &Lattice, across: [f64; 2], spacing: f64) -> bool {
     })
 }
 
+/// Lines of a fine grid from one that carries load to the next one of the same region, at most.
+pub(super) const FINE_APART: usize = 2;
+
+/// How many regions there are on a fine grid with some `forces` on its points.
+pub(super) fn regions_on_grid(points: &[ContactPoint], forces: &[f64]) -> usize {
+    parted(points, forces, FINE_APART).len()
+}
+
+/// Numbers of the points that carry load, parted where more lines than `apart` lie between them.
+pub(super) fn parted(points: &[ContactPoint], forces: &[f64], apart: usize) -> Vec<Vec<usize>> {
+    let mut regions: Vec<Vec<usize>> = Vec::new();
+    for j in (0..points.len()).filter(|&j| forces[j] > 0.0) {
+        let line = points[j].index.0;
+        match regions.last_mut() {
+            Some(region) if line <= points[region[region.len() - 1]].index.0 + apart => region.push(j),
+            _ => regions.push(vec![j]),
+        }
+    }
+    regions
+}
+
 /// Widths (along the profile, along the track; m) of the patch that carries most of the `forces`: those of the ellipse of
 /// Hertz with the same second moments. Patches are parted by at least two lines along the track without load.
 pub fn widths(lattice: &Lattice, points: &[ContactPoint], forces: &[f64]) -> [f64; 2] {
-    let mut patches: Vec<(usize, Vec<usize>)> = Vec::new();
-    for j in (0..points.len()).filter(|&j| forces[j] > 0.0) {
-        let line = points[j].index.0;
-        match patches.last_mut() {
-            Some((last, patch)) if line <= *last + 2 => {
-                *last = line;
-                patch.push(j);
-            }
-            _ => patches.push((line, vec![j])),
-        }
-    }
+    let patches = parted(points, forces, FINE_APART);
     let carried = |patch: &[usize]| patch.iter().map(|&j| forces[j]).sum::<f64>();
-    let Some((_, patch)) = patches.iter().max_by(|a, b| carried(&a.1).total_cmp(&carried(&b.1))) else {
+    let Some(patch) = patches.iter().max_by(|a, b| carried(a).total_cmp(&carried(b))) else {
         return [0.0; 2];
     };
     [0, 1].map(|axis| 2.0 * (5.0 * variance(patch, points, forces, axis, lattice)).sqrt())

@@ -1,7 +1,7 @@
 //! The regions of contact of a settled load.
 
+use super::grid::{FINE_APART, parted};
 use super::pressed::Pressed;
-use crate::contact::ContactPoint;
 use nalgebra::Vector2;
 
 /// Contact between lines along the track that carry nothing.
@@ -29,25 +29,4 @@ pub(super) fn regions_of(state: &Pressed) -> Vec<Vec<usize>> {
     // between points of a fine grid, lines beside a patch may stay without load
     let apart = if state.fine().is_some() { FINE_APART } else { 1 };
     parted(&state.points, &state.solution.forces, apart)
-}
-
-/// Lines of a fine grid from one that carries load to the next one of the same region, at most.
-const FINE_APART: usize = 2;
-
-/// How many regions there are on a fine grid with some `forces` on its points.
-pub(super) fn regions_on_grid(points: &[ContactPoint], forces: &[f64]) -> usize {
-    parted(points, forces, FINE_APART).len()
-}
-
-/// Numbers of the points that carry load, parted where more lines than `apart` lie between them.
-fn parted(points: &[ContactPoint], forces: &[f64], apart: usize) -> Vec<Vec<usize>> {
-    let mut regions: Vec<Vec<usize>> = Vec::new();
-    for j in (0..points.len()).filter(|&j| forces[j] > 0.0) {
-        let line = points[j].index.0;
-        match regions.last_mut() {
-            Some(region) if line <= points[region[region.len() - 1]].index.0 + apart => region.push(j),
-            _ => regions.push(vec![j]),
-        }
-    }
-    regions
 }

@@ -5,9 +5,8 @@
 //! load, points join the patch one after the other, and the tangents in between are right in the mean. So the tangent is that of a way over which some cells of the rim
 //! join, with the curvature that the approach has in Hertz' contact.
 
-use super::grid::touches_border;
+use super::grid::{regions_on_grid, touches_border};
 use super::pressed::{Answer, Pressed, WheelOnRail};
-use super::regions::regions_on_grid;
 use crate::contact::{ComplianceOperator, Factors, PointMode, Problem, Solution, response_to, solve_held};
 
 /// Parts of a load by which it changes over the way, the first that leaves the patches as many as they are. With sixteen cells across a round patch the first leaves 0.1 % of

@@ -224,7 +224,7 @@ impl<'a> Solid<'a> {
         let mut points = laws.map(|law| law.points.clone());
         let count = points.beam.len();
         // nothing changes where the solids have no grid; where fewer loads were carried, the numbers of the loads are others
-        let kept = |points: &Vec<LoadPoint>| contact.field != ContactField::Elements && points.len() == count;
+        let kept = |points: &Vec<LoadPoint>| contact.field.is_fine() && points.len() == count;
         points.half_spaces = points.half_spaces.filter(kept);
         let few = count <= LOADS_COARSER;
         let in_turn = points.beam.iter().filter(|_| few).map(|point| point.force).collect();
@@ -295,7 +295,7 @@ impl<'a> Solid<'a> {
     /// # Errors
     /// Those of [`press_loads`](crate::calibration::press_loads) and of the tangents.
     pub fn grid_changes(&self, monitor: &dyn Monitor) -> Result<Option<Changes>> {
-        if self.contact.field == ContactField::Elements {
+        if !self.contact.field.is_fine() {
             return Ok(None);
         }
         let (solids, half_spaces) = rayon::join(
