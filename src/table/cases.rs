@@ -130,6 +130,8 @@ impl Table {
         if !mistakes.is_empty() {
             return Err(Mistakes::sorted(mistakes));
         }
+        // of thousands of cases the room for more is tens of megabytes
+        cases.shrink_to_fit();
         let named = bodies.wheels.iter().chain(&bodies.rails).flat_map(|body| body.files(path));
         let given = source.files().chain(base.source.files()).map(Path::to_path_buf);
         let files = given.chain(named).collect();

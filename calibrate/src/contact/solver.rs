@@ -13,7 +13,7 @@ use super::iterative::{Factors, Linearised};
 use super::mirrored::Halves;
 use super::newton::{Goal, TOLERANCE, newton, slip_rows};
 use super::preconditioned::preconditioned;
-use super::start::{ALL_THE_WAY, NEAR, approach, suits};
+use super::start::{ALL_THE_WAY, NEAR, NEARER, approach, suits};
 use super::state::State;
 use super::sweeps::sweep;
 use faer::Mat;
@@ -99,15 +99,17 @@ fn solve_whole(problem: &Problem, start: &[f64], goal: Goal, factors: &mut Facto
     if by_products {
         approach(&mut state, NEAR, &mut spent);
     }
+    let near = by_products.then(|| state.clone());
     let Err(mut stopped) = newton(&mut state, goal, &mut spent, factors) else {
         return Ok(state.solution(spent));
     };
-    if by_products {
-        let mut state = State::new(problem, start);
-        approach(&mut state, ALL_THE_WAY, &mut spent);
-        match newton(&mut state, goal, &mut spent, factors) {
-            Ok(()) => return Ok(state.solution(spent)),
-            Err(reason) => stopped = reason,
+    if let Some(near) = near {
+        for (mut state, effort) in [(near, NEARER), (State::new(problem, start), ALL_THE_WAY)] {
+            approach(&mut state, effort, &mut spent);
+            match newton(&mut state, goal, &mut spent, factors) {
+                Ok(()) => return Ok(state.solution(spent)),
+                Err(reason) => stopped = reason,
+            }
         }
     }
     if let Some(solution) = raise_friction(problem, start, goal, &mut spent, factors) {
