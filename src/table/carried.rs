@@ -144,7 +144,7 @@ impl BodiesRecord {
         let carried = CarriedRecord {
             off_mm: rail_mm.max(wheel_mm),
             displacement_rel_band: band(1e-3, [6e-3, 1.5e-3], 1.5e-3),
-            tangent_rel_band: band(13e-3, [8e-3, 2e-3], 6e-3),
+            tangent_rel_band: band(15e-3, [8e-3, 2e-3], 6e-3),
             tangent_rel_bands: Vec::new(),
             // half of the grid's part is that of the wider grid
             horizontal_rel_band: band(6e-3, [5e-3, 2e-3], 5e-3),
