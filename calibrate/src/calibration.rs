@@ -381,7 +381,7 @@ fn split(wheel_on_rail: &WheelOnRail, state: &Pressed, change: &[f64]) -> [f64; 
     let normal = &change[..state.points.len()];
     let half_space = |half: HalfSpace| quadratic(&total(&[&half], &state.points, 1), normal);
     let [rail_half, wheel_half] = wheel_on_rail.half_spaces().map(half_space);
-    let Bodies::Condensed { rail, wheel } = wheel_on_rail.bodies else {
+    let Bodies::Condensed { rail, wheel, .. } = wheel_on_rail.bodies else {
         return [rail_half + wheel_half, 0.0, 0.0];
     };
     let wheel = share(&BodyCompliance { compliance: wheel, side: Side::Opposing });

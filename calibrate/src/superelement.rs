@@ -7,6 +7,7 @@
 
 mod dense;
 mod products;
+mod mirrored;
 mod factor;
 mod elimination;
 mod size;
@@ -24,6 +25,7 @@ pub use condensed::{CondensedBody, body_key};
 pub use dense::product_speed;
 pub use factor::Factor;
 pub use factored::Superelement;
+pub use mirrored::is_mirrored;
 pub use modes::Modes;
 pub use parts::{Parts, Wanted};
 pub use products::{add_columns, add_times, times};

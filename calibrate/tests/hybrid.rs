@@ -72,7 +72,12 @@ pub(super) fn on<'a>(
 ) -> WheelOnRail<'a> {
     let [rail, wheel] =
         [(&bodies.rail, &bodies.meshes.rail), (&bodies.wheel, &bodies.meshes.wheel)].map(|(body, mesh)| {
-            ContactBody { compliance: &body.compliance, grid: &mesh.contact, material: MATERIAL }
+            ContactBody {
+                compliance: &body.compliance,
+                grid: &mesh.contact,
+                material: MATERIAL,
+                mirrored: false,
+            }
         });
     let contact = ContactConditions { friction, enforcement: Enforcement::Exact, field };
     pair.wheel_on_rail(rail, wheel, contact)
@@ -298,7 +303,8 @@ fn a_load_has_one_contact_whatever_was_before() {
                 .filter(|(_, f)| **f > 0.0)
                 .map(|(p, _)| &p.position)
                 .collect();
-            let railspring_calibrate::calibration::Bodies::Condensed { rail, wheel } = wheel_on_rail.bodies
+            let railspring_calibrate::calibration::Bodies::Condensed { rail, wheel, .. } =
+                wheel_on_rail.bodies
             else {
                 panic!("solids")
             };
@@ -476,6 +482,7 @@ fn a_crowned_wheel_on_an_irregular_mesh_is_hertz() {
             bodies: railspring_calibrate::calibration::Bodies::Condensed {
                 rail: &block.compliance,
                 wheel: &rigid,
+                mirrored: false,
             },
             rail_surface: Surface::extruded(&flat, &mesh.contact),
             wheel_surface: Surface::revolved(&crown, &grid, radius, Vector2::new(off, 0.0)),

@@ -78,6 +78,7 @@ fn press(
         bodies: railspring_calibrate::calibration::Bodies::Condensed {
             rail: &rail_element.compliance,
             wheel: &wheel_element.compliance,
+            mirrored: false,
         },
         rail_surface: bodies.rail_surface(),
         wheel_surface: bodies.wheel_surface(),

@@ -83,6 +83,7 @@ impl Bodies {
             bodies: railspring_calibrate::calibration::Bodies::Condensed {
                 rail: &self.compliances[0],
                 wheel: &self.compliances[1],
+                mirrored: false,
             },
             rail_surface: Surface::extruded(&self.rail, &self.grids[0]),
             wheel_surface: Surface::revolved(

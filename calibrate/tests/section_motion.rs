@@ -81,10 +81,15 @@ fn found(length: f64, loads: &[f64]) -> Found {
     let relative = motion.relative(&element.compliance);
     let contact =
         ContactConditions { friction: 0.5, enforcement: Enforcement::Exact, field: ContactField::Elements };
-    let wheel =
-        ContactBody { compliance: &wheel().compliance, grid: &wheel_mesh.contact, material: Material::STEEL };
+    let wheel = ContactBody {
+        compliance: &wheel().compliance,
+        grid: &wheel_mesh.contact,
+        material: Material::STEEL,
+        mirrored: false,
+    };
     let wheel_on = |compliance| {
-        let rail = ContactBody { compliance, grid: &mesh.contact, material: Material::STEEL };
+        let rail =
+            ContactBody { compliance, grid: &mesh.contact, material: Material::STEEL, mirrored: false };
         pair.wheel_on_rail(rail, wheel, contact)
     };
     let on_section = wheel_on(&relative);

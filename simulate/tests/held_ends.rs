@@ -75,7 +75,12 @@ fn of_solids(track: &Track, pair: &Pair, x: f64) -> Matrix2<f64> {
     let supports = Supports { held: mesh.ends.clone(), ..Supports::default() };
     let system = System::new(&mesh, Material::STEEL, Formulation::IncompatibleModes, &supports).unwrap();
     let rail = Superelement::new(system).unwrap();
-    let rail = ContactBody { compliance: &rail.compliance, grid: &mesh.contact, material: Material::STEEL };
+    let rail = ContactBody {
+        compliance: &rail.compliance,
+        grid: &mesh.contact,
+        material: Material::STEEL,
+        mirrored: false,
+    };
     let wheel = pair.contact_body(PairBody::Wheel, &track.bodies.wheel).unwrap();
     let placed = pair.wheel_on_rail(rail, wheel, contact());
     let states = press_loads(&placed, &[LOAD], "press", &Silent).unwrap();

@@ -67,7 +67,7 @@ impl WheelOnRail<'_> {
         near: Option<&Pressed>,
     ) -> Candidates {
         let points = match previous {
-            None => self.first_points(hub),
+            None => self.first_near(|gap| self.points_at(hub, gap)),
             Some(last) => {
                 let mut points = self.points_at(hub, PAIRING_GAP);
                 let keep: Vec<bool> =
@@ -89,23 +89,20 @@ impl WheelOnRail<'_> {
         Candidates { points, elasticity, start }
     }
 
-    /// The contact nodes of the rail's mesh that are near the wheel before anything is known of the displacements.
-    fn first_points(&self, hub: &Vector2<f64>) -> Vec<ContactPoint> {
+    /// The contact nodes of the rail's mesh that are near the wheel before anything is known of the displacements; `within` has those whose gap is smaller than one, m.
+    fn first_near(&self, within: impl Fn(f64) -> Vec<ContactPoint>) -> Vec<ContactPoint> {
         // long elements on a sharp curve lie farther from the first touch
-        [FIRST_GAP, PAIRING_GAP]
-            .map(|gap| self.points_at(hub, gap))
-            .into_iter()
-            .find(|points| !points.is_empty())
-            .unwrap_or_default()
+        [FIRST_GAP, PAIRING_GAP].map(within).into_iter().find(|points| !points.is_empty()).unwrap_or_default()
     }
 
     /// Both bodies, the hub displaced by `hub`.
     pub(super) fn solids(&self, hub: &Vector2<f64>) -> Solids<'_> {
         Solids {
             bodies: match self.bodies {
-                Bodies::Condensed { rail, wheel } => Some([rail, wheel]),
+                Bodies::Condensed { rail, wheel, .. } => Some([rail, wheel]),
                 Bodies::HalfSpaces => None,
             },
+            mirrored: matches!(self.bodies, Bodies::Condensed { mirrored: true, .. }),
             rail_surface: self.rail_surface.clone(),
             wheel_surface: self.wheel_surface.moved(hub),
             half_spaces: self.half_spaces(),
@@ -175,7 +172,7 @@ impl WheelOnRail<'_> {
     /// Grid and reach, and the gap within which points are sought, m, where nothing is known but the gaps with the hub displaced by
     /// `hub`: those of the forces to start from on the coarsest grid.
     fn first_plan(&self, hub: &Vector2<f64>, load: f64, solids: &Solids) -> (Lattice, Vec<bool>, f64) {
-        let nodes = self.first_points(hub);
+        let nodes = self.first_near(|gap| self.nodes_near(hub, gap));
         let all = self.marked(nodes.iter().map(|point| point.index));
         let coarsest = self.lattice([f64::INFINITY; 2]);
         let points = points_around(&all, &coarsest, solids);

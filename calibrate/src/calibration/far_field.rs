@@ -19,6 +19,8 @@ pub struct Solids<'a> {
     pub wheel_surface: Surface<'a>,
     /// Half-spaces of the materials of rail and wheel.
     pub half_spaces: [HalfSpace; 2],
+    /// Whether both compliances are their own mirror images along the track: then half of their values are enough.
+    pub mirrored: bool,
 }
 
 /// Both bodies less their half-spaces at nodes of the rail's contact grid, in the function space of these nodes. It is
@@ -80,23 +82,27 @@ impl FarField {
             let twins = Some(Arc::new(twins(&points, &slot, columns)));
             return Self { points, sum, bodies, nodes, turn, wheel, slot, twins };
         };
+        let twins = twins(&points, &slot, columns);
+        let all: Option<Vec<usize>> = if solids.mirrored { twins.iter().copied().collect() } else { None };
         let stand_ins = StandIns { points: &points, slot: &slot, columns };
-        let of = |body: &dyn NodalCompliance, side| {
-            total(&[&BodyCompliance { compliance: body, side }], &points, directions)
+        let of = |compliance: &dyn NodalCompliance, side| {
+            let body = BodyCompliance { compliance, side };
+            let half = all.as_ref().and_then(|twins| body.of_mirrored(&points, twins, directions));
+            half.unwrap_or_else(|| total(&[&body], &points, directions))
         };
         let (mut rail_part, mut wheel_part) =
             rayon::join(|| of(of_rail, Side::Base), || of(of_wheel, Side::Opposing));
-        let [rail_half, wheel_half] = &solids.half_spaces;
+        let half_spaces = [&solids.half_spaces[0], &solids.half_spaces[1]];
         let wanted = |a, b| stand_ins.of(a, b).is_none();
-        subtract_half_spaces([rail_half, wheel_half], &points, wanted, [&mut rail_part, &mut wheel_part]);
+        let parts = [&mut rail_part, &mut wheel_part];
+        subtract_half_spaces(half_spaces, &points, all.as_deref(), wanted, parts);
         [&mut rail_part, &mut wheel_part].into_iter().for_each(|body| stand_ins.smooth(body));
         let mut sum = rail_part.clone();
         for c in 0..sum.ncols() {
             let values = sum.col_as_slice_mut(c).iter_mut().zip(wheel_part.col_as_slice(c));
             values.for_each(|(sum, value)| *sum += value);
         }
-        let twins = twins(&points, &slot, columns);
-        let twins = is_mirrored(&sum, &twins).then(|| Arc::new(twins));
+        let twins = (all.is_some() || is_mirrored(&sum, &twins)).then(|| Arc::new(twins));
         let bodies = [rail_part, wheel_part];
         Self { points, bodies, sum: Arc::new(sum), nodes, turn, wheel, slot, twins }
     }

@@ -11,30 +11,63 @@ pub(super) struct NodalMotion {
     forces: Vec<f64>,
     /// Nodes of a line of the grid.
     columns: usize,
+    /// Whether the motion is its own mirror image along the track.
+    mirrored: bool,
     /// By line along the profile, and then by `3·(node of the line) + axis`, m.
     lines: Vec<OnceLock<Vec<f64>>>,
 }
 
 impl NodalMotion {
-    /// That under `forces` (`3·node + axis`, N) on a grid with so many lines along the track.
-    pub fn new(forces: Vec<f64>, columns: usize) -> Self {
+    /// That under `forces` (`3·node + axis`, N) on a grid with so many lines along the track; the body may be its own mirror image (`mirrored`).
+    pub fn new(forces: Vec<f64>, columns: usize, mirrored: bool) -> Self {
         let lines = vec![OnceLock::new(); forces.len() / (3 * columns)];
-        Self { forces, columns, lines }
+        let mirrored = mirrored && are_images(&forces[..3 * columns * lines.len()], columns);
+        Self { forces, columns, mirrored, lines }
+    }
+
+    /// The displacements of a line.
+    fn line(&self, body: &Mat<f64>, line: usize) -> Vec<f64> {
+        let width = 3 * self.columns;
+        // where its own half begins
+        let own = if self.mirrored { 3 * (self.columns / 2) } else { 0 };
+        let mut moved = vec![0.0; width];
+        add_times(body.subrows(line * width + own, width - own), &self.forces, &mut moved[own..]);
+        for behind in 0..own {
+            let value = moved[image(behind, self.columns)];
+            moved[behind] = if behind % 3 == 0 { -value } else { value };
+        }
+        moved
     }
 
     /// Mean over the patch of a point on one `side` in a direction, m; `body` is the compliance of its contact nodes, m/N, always the same one.
     pub fn at(&self, body: &Mat<f64>, point: &ContactPoint, side: Side, direction: usize) -> f64 {
         let width = 3 * self.columns;
         let of_row = |(row, weight): (usize, f64)| {
-            let line = self.lines[row / width].get_or_init(|| {
-                let mut line = vec![0.0; width];
-                add_times(body.subrows(row / width * width, width), &self.forces, &mut line);
-                line
-            });
+            let line = self.lines[row / width].get_or_init(|| self.line(body, row / width));
             weight * line[row % width]
         };
         point.row(side, direction).map(of_row).sum()
     }
+}
+
+/// Part of the largest force by which mirror images may differ: the displacements then differ by as little.
+const ALIKE: f64 = 1e-9;
+
+/// Place of the mirror image of a coordinate (`3·(node of the line) + axis`) on its line of so many nodes.
+fn image(coordinate: usize, columns: usize) -> usize {
+    3 * (columns - 1 - coordinate / 3) + coordinate % 3
+}
+
+/// Whether forces on lines of so many nodes are their own mirror image along the track.
+fn are_images(forces: &[f64], columns: usize) -> bool {
+    let largest = forces.iter().fold(0.0_f64, |m, force| m.max(force.abs()));
+    forces.chunks(3 * columns).all(|line| {
+        let odd = |(at, force): (usize, &f64)| {
+            let other = line[image(at, columns)];
+            if at % 3 == 0 { force + other } else { force - other }
+        };
+        line.iter().enumerate().map(odd).all(|odd| odd.abs() <= ALIKE * largest)
+    })
 }
 
 #[cfg(test)]
@@ -56,7 +89,7 @@ mod tests {
         let forces: Vec<f64> = (0..rows).map(|row| if row % 7 < 3 { wave(row) } else { 0.0 }).collect();
         let whole = times(&body, &forces);
         let largest = whole.iter().fold(0.0_f64, |m, value| m.max(value.abs()));
-        let motion = NodalMotion::new(forces, columns);
+        let motion = NodalMotion::new(forces, columns, false);
         let mut points = flat_grid((2, 3), 1e-3, |_, _| 0.0);
         for (j, point) in points.iter_mut().enumerate() {
             point.base = (0..4)
@@ -70,6 +103,34 @@ mod tests {
                 let exact = point.displacement(Side::Base, direction, &whole);
                 let found = motion.at(&body, point, Side::Base, direction);
                 assert!((found - exact).abs() < ROUNDOFF * largest, "{j} {direction}: {found} {exact}");
+            }
+        }
+    }
+
+    /// Source: the same motion by all of its lines. Goal: a body that is its own mirror image along the track moves its points by the same, m, under forces that are one and under
+    /// such as are none, N. Accuracy over the largest value: ROUNDOFF.
+    #[test]
+    fn a_half_line_is_the_whole() {
+        const ROUNDOFF: f64 = 1e-13;
+        let (lines, columns) = (4, 5);
+        let rows = 3 * lines * columns;
+        let wave = |n: usize| (1.3 * n as f64 + 0.4).sin();
+        let mirror = |row: usize| row / (3 * columns) * 3 * columns + image(row % (3 * columns), columns);
+        let sign = |row: usize| if row % 3 == 0 { -1.0 } else { 1.0 };
+        let any = |r: usize, c: usize| wave(r + c) + wave(r * c);
+        let body = Mat::from_fn(rows, rows, |r, c| any(r, c) + sign(r) * sign(c) * any(mirror(r), mirror(c)));
+        let forces: Vec<f64> = (0..rows).map(wave).collect();
+        let even: Vec<f64> = (0..rows).map(|r| forces[r] + sign(r) * forces[mirror(r)]).collect();
+        for (forces, is_even) in [(forces, false), (even, true)] {
+            let whole = NodalMotion::new(forces.clone(), columns, false);
+            let found = NodalMotion::new(forces, columns, true);
+            assert_eq!(found.mirrored, is_even);
+            for line in 0..lines {
+                let exact = whole.line(&body, line);
+                let largest = exact.iter().fold(0.0_f64, |m, value| m.max(value.abs()));
+                for (found, exact) in found.line(&body, line).iter().zip(&exact) {
+                    assert!((found - exact).abs() < ROUNDOFF * largest, "{line}: {found} {exact}");
+                }
             }
         }
     }

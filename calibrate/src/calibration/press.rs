@@ -37,6 +37,8 @@ const LEAST_RISE: f64 = 1.0 / 32.0;
 const AGAINST_THE_LOAD: f64 = 1e-4;
 /// Step of the hub over which the change of the gaps is taken, m: they are curved over the radii of profiles, and exact to 1e-15 m.
 const GAP_STEP: f64 = 1e-7;
+/// Parts of the hub's way within which points may come to carry load, where the load changes by a quarter ([`super::rim`]).
+const REACHED: f64 = 0.5;
 
 impl WheelOnRail<'_> {
     /// Presses the wheel with the `load` (N, > 0) along its direction, the hub held across it; `before` is the state
@@ -323,7 +325,11 @@ impl WheelOnRail<'_> {
             (0..state.free.len()).map(|row| state.points[row % n].direction(row / n).dot(&along)).collect();
         let mut rates = weights.clone();
         if let Some(fine) = state.fine() {
-            let nodes: Vec<_> = state.points.iter().map(|point| point.index).collect();
+            // that of the others counts where they come to carry load
+            let way = state.hub.dot(&self.along).abs();
+            let near = |j: &usize| state.solution.separation[*j] < REACHED * way;
+            let near: Vec<usize> = (0..n).filter(near).collect();
+            let nodes: Vec<_> = near.iter().map(|&j| state.points[j].index).collect();
             let [before, after] = [-GAP_STEP, GAP_STEP].map(|step| {
                 let hub = state.hub + self.along.into_inner() * step;
                 fine.lattice.points(&self.rail_surface, &self.wheel_surface.moved(&hub), &nodes)
@@ -331,9 +337,9 @@ impl WheelOnRail<'_> {
             let gap = |points: &[ContactPoint], index| {
                 points.binary_search_by_key(&index, |point| point.index).ok().map(|at| points[at].gap)
             };
-            for (rate, &index) in rates.iter_mut().zip(&nodes) {
+            for (&j, &index) in near.iter().zip(&nodes) {
                 if let (Some(before), Some(after)) = (gap(&before, index), gap(&after, index)) {
-                    *rate = (after - before) / (2.0 * GAP_STEP);
+                    rates[j] = (after - before) / (2.0 * GAP_STEP);
                 }
             }
         }

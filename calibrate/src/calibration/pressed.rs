@@ -111,6 +111,8 @@ pub enum Bodies<'a> {
         rail: &'a Mat<f64>,
         /// Compliance of the wheel's contact nodes against its hub, m/N.
         wheel: &'a Mat<f64>,
+        /// Whether both are their own mirror images along the track.
+        mirrored: bool,
     },
     /// Half-spaces of the two materials alone, as half-space programs have them: rim and head neither roll nor bend.
     HalfSpaces,
@@ -211,7 +213,9 @@ impl WheelOnRail<'_> {
     /// Compliance of both bodies and the penalty springs at `points`.
     pub fn compliance(&self, points: &[ContactPoint], directions: usize) -> Mat<f64> {
         match self.bodies {
-            Bodies::Condensed { rail, wheel } => self.enforcement.compliance(rail, wheel, points, directions),
+            Bodies::Condensed { rail, wheel, .. } => {
+                self.enforcement.compliance(rail, wheel, points, directions)
+            }
             Bodies::HalfSpaces => {
                 let [rail, wheel] = self.half_spaces();
                 self.enforcement.with([&rail, &wheel], points, directions)
@@ -254,10 +258,11 @@ impl Pressed {
     /// Displacement in a direction of the wheel's surface against the rail's at a point of the contact grid, m. That of half-spaces is left out: pressure only widens the
     /// gap, so that points sought without it are more than needed.
     pub(super) fn opening(&self, placed: &WheelOnRail, point: &ContactPoint, direction: usize) -> f64 {
-        let Bodies::Condensed { rail, wheel } = placed.bodies else { return 0.0 };
+        let Bodies::Condensed { rail, wheel, mirrored } = placed.bodies else { return 0.0 };
         let [of_rail, of_wheel] = self.motions.get_or_init(|| {
             let of = |body: &Mat<f64>, side, surface: &Surface| {
-                NodalMotion::new(self.body_forces(side, body.nrows()), surface.grid.along_track.len())
+                let columns = surface.grid.along_track.len();
+                NodalMotion::new(self.body_forces(side, body.nrows()), columns, mirrored)
             };
             [of(rail, Side::Base, &placed.rail_surface), of(wheel, Side::Opposing, &placed.wheel_surface)]
         });

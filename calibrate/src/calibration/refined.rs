@@ -7,7 +7,7 @@
 use super::far_field::Solids;
 use super::fine::FineContact;
 use super::grid::{area, touches_border, widths};
-use super::pressed::{Pressed, WheelOnRail};
+use super::pressed::{ContactField, Pressed, WheelOnRail};
 use super::regions::regions_of;
 use crate::contact::{ContactPoint, Hat, Lattice, Problem, displacement_far_from, gaps, hats, solve_held};
 use nalgebra::{Vector2, Vector3};
@@ -16,8 +16,10 @@ use std::collections::BTreeMap;
 
 /// Cells across a region that are wanted at least, in either direction.
 const CELLS_ACROSS: f64 = 16.0;
-/// Changes of the largest pressure and of the area, relative, at which cells are halved no more.
+/// Change of the largest pressure and of the area, relative, at which cells are halved no more: the error that is left is a third of it where it goes with the square of the cells.
 const SETTLED: Size = Size { pressure: 0.02, area: 0.02 };
+/// The same on the wider grid of thousands of pairs.
+const SETTLED_OF_THOUSANDS: Size = Size { pressure: 0.02, area: 0.05 };
 /// Halvings of the grid of the load at most, and points of a region at most.
 const HALVINGS: i32 = 5;
 const MOST_POINTS: usize = 12_000;
@@ -102,7 +104,8 @@ impl WheelOnRail<'_> {
         let settled = Settled { solids, state, fine, grid: self.rail_surface.grid, regions };
         let mut found: Vec<Region> =
             (0..settled.regions.len()).map(|r| settled.first(r)).collect::<Result<_>>()?;
-        while let Some(r) = wanting(&found) {
+        let change = if self.field == ContactField::HybridWider { SETTLED_OF_THOUSANDS } else { SETTLED };
+        while let Some(r) = wanting(&found, change) {
             found[r].halve(&settled, r)?;
         }
         Ok(Some(Refined {
@@ -112,19 +115,19 @@ impl WheelOnRail<'_> {
     }
 }
 
-/// The region whose cells are to be halved; `None` where no more is wanted or possible.
-fn wanting(regions: &[Region]) -> Option<usize> {
+/// The region whose cells are to be halved, as values have not `settled` to this change; `None` where no more is wanted or possible.
+fn wanting(regions: &[Region], settled: Size) -> Option<usize> {
     let largest = |of: fn(&Region) -> f64| {
         regions.iter().map(of).enumerate().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or_default()
     };
     let (r, pressure) = largest(|region| region.finest.size.pressure);
     let (_, before) = largest(|region| region.twice.size.pressure);
-    if (before / pressure - 1.0).abs() > SETTLED.pressure && regions[r].can_be_halved() {
+    if (before / pressure - 1.0).abs() > settled.pressure && regions[r].can_be_halved() {
         return Some(r);
     }
     let sum: f64 = regions.iter().map(|region| region.finest.size.area).sum();
     let (r, change) = largest(|region| (region.finest.size.area - region.twice.size.area).abs());
-    (change > SETTLED.area * sum && regions[r].can_be_halved()).then_some(r)
+    (change > settled.area * sum && regions[r].can_be_halved()).then_some(r)
 }
 
 /// A region on its two finest grids.

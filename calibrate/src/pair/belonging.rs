@@ -15,14 +15,14 @@ const OFF_SURFACE: f64 = 0.12e-3;
 const OFF_AXIS: f64 = 0.12e-3;
 
 impl Pair {
-    /// A condensed body as the contact of this pair sees it.
+    /// A condensed body as the contact of this pair sees it, with all values of its compliance.
     ///
     /// # Errors
     /// As [`Pair::check_body`].
     pub fn contact_body<'a>(&self, body: PairBody, condensed: &'a CondensedBody) -> Result<ContactBody<'a>> {
         self.check_body(body, condensed)?;
         let CondensedBody { compliance, grid, surface, .. } = condensed;
-        Ok(ContactBody { compliance, grid, material: *surface })
+        Ok(ContactBody { compliance, grid, material: *surface, mirrored: false })
     }
 
     /// Checks that a condensed body is one of this pair: its contact nodes lie on the running surface, a rail's shear centre is where this

@@ -10,7 +10,7 @@ use crate::calibration::{
 use crate::law::LEAST_LOADS;
 use crate::mesh::SurfaceGrid;
 use crate::solid::{Formulation, Material, Materials};
-use crate::superelement::{CondensedBody, SectionMotion};
+use crate::superelement::{CondensedBody, SectionMotion, is_mirrored};
 use faer::Mat;
 use railspring_profiles::error::{Error, InputError, Result, unless_interrupted};
 use railspring_profiles::monitor::Monitor;
@@ -38,6 +38,8 @@ pub struct ContactBody<'a> {
     pub grid: &'a SurfaceGrid,
     /// The material there.
     pub material: Material,
+    /// Whether the compliance is its own mirror image along the track.
+    pub mirrored: bool,
 }
 
 impl Pair {
@@ -49,7 +51,11 @@ impl Pair {
         ContactConditions { friction, enforcement, field }: ContactConditions,
     ) -> WheelOnRail<'a> {
         WheelOnRail {
-            bodies: Bodies::Condensed { rail: rail.compliance, wheel: wheel.compliance },
+            bodies: Bodies::Condensed {
+                rail: rail.compliance,
+                wheel: wheel.compliance,
+                mirrored: rail.mirrored && wheel.mirrored,
+            },
             rail_surface: self.rail_surface(rail.grid),
             wheel_surface: self.wheel_surface(wheel.grid),
             friction,
@@ -95,6 +101,17 @@ pub struct CondensedPair {
     pub section: SectionMotion,
     /// Compliance of the rail's contact nodes against that section, m/N.
     against_section: Arc<Mat<f64>>,
+    /// Which of the bodies are their own mirror images along the track.
+    mirrored: Mirrored,
+}
+
+/// Which bodies of a pair are their own mirror images along the track.
+#[derive(Clone, Copy)]
+struct Mirrored {
+    wheel: bool,
+    /// The rail against its section.
+    on_section: bool,
+    on_foot: bool,
 }
 
 impl PairMeshes {
@@ -184,10 +201,15 @@ impl CondensedPair {
             .clone()
             .ok_or_else(|| missing(PairBody::RailOnEnds, "no motion of its section"))?;
         let against_section = Arc::new(section.relative(&rail_on_ends.compliance));
-        Ok(Self { wheel, rail_on_ends, rail_on_foot, section, against_section })
+        let mirrored = Mirrored {
+            wheel: is_mirrored(&wheel.compliance, &wheel.grid),
+            on_section: is_mirrored(&against_section, &rail_on_ends.grid),
+            on_foot: rail_on_foot.as_ref().is_some_and(|rail| is_mirrored(&rail.compliance, &rail.grid)),
+        };
+        Ok(Self { wheel, rail_on_ends, rail_on_foot, section, against_section, mirrored })
     }
 
-    /// The same matrices under other grids.
+    /// Other bodies in the place of these, which are their own mirror images as these are: the same matrices under other grids, or those between two wheels.
     pub(super) fn with_bodies(
         &self,
         wheel: CondensedBody,
@@ -196,7 +218,7 @@ impl CondensedPair {
     ) -> Self {
         let section = rail_on_ends.section.clone().unwrap_or_else(|| self.section.clone());
         let against_section = Arc::clone(&self.against_section);
-        Self { wheel, rail_on_ends, rail_on_foot, section, against_section }
+        Self { wheel, rail_on_ends, rail_on_foot, section, against_section, mirrored: self.mirrored }
     }
 
     /// Compliance of the rail's contact nodes against its section, m/N.
@@ -317,12 +339,13 @@ impl CondensedPair {
     /// As [`Self::rail`], and bodies that are not of the `pair` ([`Pair::check_body`]).
     pub(crate) fn of_pair(&self, pair: &Pair, reference: Reference) -> Result<[ContactBody<'_>; 2]> {
         let body = self.rail(reference)?;
-        let (held, compliance) = match reference {
-            Reference::Foot => (PairBody::RailOnFoot, &body.compliance),
-            _ => (PairBody::RailOnEnds, &self.against_section),
+        let Mirrored { wheel, on_section, on_foot } = self.mirrored;
+        let (held, compliance, mirrored) = match reference {
+            Reference::Foot => (PairBody::RailOnFoot, &body.compliance, on_foot),
+            _ => (PairBody::RailOnEnds, &self.against_section, on_section),
         };
-        let rail = ContactBody { compliance, ..pair.contact_body(held, body)? };
-        Ok([rail, pair.contact_body(PairBody::Wheel, &self.wheel)?])
+        let rail = ContactBody { compliance, mirrored, ..pair.contact_body(held, body)? };
+        Ok([rail, ContactBody { mirrored: wheel, ..pair.contact_body(PairBody::Wheel, &self.wheel)? }])
     }
 }
 

@@ -119,18 +119,26 @@ fn weight(reference: &Reference, s: f64) -> f64 {
     if reference.keeps(s) { 1.0 } else { WEARS }
 }
 
-/// Cost of a pose, m: the length of profile that is not explained.
-pub(super) fn cost(reference: &Reference, samples: &[Sample], pose: &Pose, scale: f64) -> f64 {
-    samples
-        .iter()
-        .map(|sample| {
-            let foot = foot(reference, &pose.apply(&sample.at), None);
-            sample.length * weight(reference, foot.s) * loss(reference, &foot, scale).0
-        })
-        .sum()
+/// Cost of a pose, m: the length of profile that is not explained. None from `most` on, which is seen by the first points.
+pub(super) fn cost_below(
+    reference: &Reference,
+    samples: &[Sample],
+    pose: &Pose,
+    scale: f64,
+    most: f64,
+) -> Option<f64> {
+    let mut cost = 0.0;
+    for sample in samples {
+        let foot = foot(reference, &pose.apply(&sample.at), None);
+        cost += sample.length * weight(reference, foot.s) * loss(reference, &foot, scale).0;
+        if cost >= most {
+            return None;
+        }
+    }
+    Some(cost)
 }
 
-/// As [`cost`], with feet near the given ones.
+/// The whole cost, with feet near the given ones.
 pub(super) fn cost_near(
     reference: &Reference,
     samples: &[Sample],

@@ -2,7 +2,7 @@
 
 use nalgebra::{Point2, Rotation2, Vector2};
 
-use super::fit::{Pose, Sample, cost, cost_near, feet_of, settle, sharpen};
+use super::fit::{Pose, Sample, cost_below, cost_near, feet_of, settle, sharpen};
 use super::reference::Reference;
 use crate::profile_file::ProfileKind;
 use crate::units::MILLIMETRE;
@@ -70,7 +70,8 @@ pub(super) struct Starts {
 pub(super) fn starts(reference: &Reference, samples: &[Sample], mirrors: &[bool]) -> Starts {
     let standard: Vec<Vector2<f64>> =
         reference.curve.sample(MILLIMETRE).into_iter().map(|p: Point2<f64>| p.coords).collect();
-    let mut begun: Vec<Candidate> = Vec::new();
+    // the best ones, ascending
+    let mut begun: Vec<Candidate> = Vec::with_capacity(FOLLOWED + 1);
     for &mirror in mirrors {
         let all = if mirror { mirrored(samples) } else { samples.to_vec() };
         let coarse = thinned(&all, COARSE);
@@ -78,18 +79,21 @@ pub(super) fn starts(reference: &Reference, samples: &[Sample], mirrors: &[bool]
             for turn in TURNS {
                 let angle = (half_turn + turn).to_radians();
                 for pose in laid_on(reference.kind, &standard, &all, angle) {
-                    let cost = cost(reference, &coarse, &pose, FIRST_SCALE);
-                    begun.push(Candidate { mirrored: mirror, pose, cost });
+                    let most = begun.get(FOLLOWED - 1).map_or(f64::INFINITY, |last| last.cost);
+                    let Some(cost) = cost_below(reference, &coarse, &pose, FIRST_SCALE, most) else {
+                        continue;
+                    };
+                    let at = begun.partition_point(|better| better.cost <= cost);
+                    begun.insert(at, Candidate { mirrored: mirror, pose, cost });
+                    begun.truncate(FOLLOWED);
                 }
             }
         }
     }
-    begun.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     let images = [thinned(samples, FINE), thinned(&mirrored(samples), FINE)];
     let image = |candidate: &Candidate| images[usize::from(candidate.mirrored)].as_slice();
     let coarse = begun
         .iter()
-        .take(FOLLOWED)
         .map(|candidate| {
             let (pose, _) = settle(reference, image(candidate), candidate.pose, FIRST_SCALE, 12, false);
             let (pose, cost) =

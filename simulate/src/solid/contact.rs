@@ -309,6 +309,7 @@ impl<'m> StepContact<'m> {
             rail_surface: placed.surfaces[0].clone(),
             wheel_surface: placed.surfaces[1].clone(),
             half_spaces: self.half_spaces,
+            mirrored: false,
         };
         let opening = |point: &ContactPoint, direction| {
             let [rail, wheel] = &placed.rest;

@@ -122,7 +122,7 @@ impl Crowned {
         let [rail_surface, wheel_surface] = self.surfaces(0.0);
         let static_model = WheelOnRail {
             along: DOWNWARDS,
-            bodies: Bodies::Condensed { rail: &rail, wheel: &wheel },
+            bodies: Bodies::Condensed { rail: &rail, wheel: &wheel, mirrored: false },
             rail_surface,
             wheel_surface,
             friction,
