@@ -1,5 +1,5 @@
-//! One case in a hundred on its own bodies as well. They come before all others: the factor of a wheel takes more memory than all else, and the
-//! bodies of the standards need not stand beside it.
+//! One case in a hundred on its own bodies as well. Where there is room for it, they are made one after the other beside the places of the other cases, or else
+//! before all others: the factor of a wheel takes more memory than all else.
 
 use railspring_profiles::error::{Error, Result};
 use rayon::prelude::*;

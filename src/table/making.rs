@@ -329,6 +329,14 @@ impl CaseWork<'_> {
         Ok(prepared)
     }
 
+    /// What there is room for beside the bodies of the case.
+    ///
+    /// # Errors
+    /// As [`Self::meshed`].
+    pub fn room_of_bodies(&self) -> Result<Room> {
+        self.prepared().map(|prepared| self.room(prepared.beside))
+    }
+
     /// What the meshes tell. Coarser ones that cannot be made have no bodies: the place says why.
     pub fn prepared_of(&self, meshed: &Meshed) -> Prepared {
         let Meshed { geometry, meshes, .. } = meshed;

@@ -11,6 +11,7 @@ use railspring_profiles::error::{Error, Result, unless_interrupted};
 use railspring_profiles::monitor::Monitor;
 use railspring_profiles::units::{KILONEWTON, MILLIMETRE};
 use rayon::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use super::carried::is_checked;
 use super::cases::{Case, Table};
@@ -29,7 +30,7 @@ use crate::study::parts as parts_of;
 const CASES_LOOKED_AT: usize = 30;
 
 /// Time of a place on the wider grid of shared bodies, over that on the usual grid.
-const ON_WIDER_GRID: f64 = 0.7;
+const ON_WIDER_GRID: f64 = 0.56;
 
 /// Bytes of a case in the memory: its study, and where its places are in the store. Measured with 10,000 cases of five places.
 const CASE: f64 = 11e3;
@@ -228,9 +229,10 @@ impl<'a> Places<'a> {
         let cases = a_case * missing.len() as f64 + on_own.len() as f64;
         let pressed = mean * cases * estimate.place_seconds / threads;
         let condensed = bodies + on_own.iter().sum::<usize>();
-        // the places of a pair are pressed beside the making of the next bodies; own ones of shared bodies are made before these
-        let beside = estimate.stages.get(1).filter(|_| bodies > 2).map_or(0.0, |stage| stage.memory);
         let room = Room::of(estimate.beside, self.resources.budget);
+        // the places of a pair are pressed beside the making of the next bodies
+        let is_beside = bodies > 2 || !on_own.is_empty() && room.condensing && threads > 1.0;
+        let beside = estimate.stages.get(1).filter(|_| is_beside).map_or(0.0, |stage| stage.memory);
         let together = if room.condensing { estimate.beside.condensing } else { 0.0 };
         let memory = estimate.memory().max(together) + beside + CASE * self.table.cases.len() as f64;
         Ok(Some((0.5 * condensed as f64 * estimate.condensing_seconds + pressed, memory)))
@@ -278,34 +280,60 @@ impl<'a> Places<'a> {
     /// # Errors
     /// An interruption, after which the store has what was made.
     pub fn make(mut self) -> Result<Made<'a>> {
-        let missing = self.missing();
         let monitor = self.resources.monitor;
-        let (cases, wanted): (Vec<usize>, Vec<Wanted>) = missing.into_iter().unzip();
-        let counts: Vec<usize> = wanted.iter().map(Vec::len).collect();
-        let checked: Vec<usize> = (0..cases.len()).filter(|pair| self.is_checked(cases[*pair])).collect();
-        let of_checked: usize = checked.iter().map(|pair| counts[*pair]).sum();
-        let (done, total) = (AtomicUsize::new(0), counts.iter().sum::<usize>() + of_checked);
+        let (checked, others): (Missing, Missing) =
+            self.missing().into_iter().partition(|(case, _)| self.is_checked(*case));
+        let [checked, others] = [checked, others].map(Wants::of);
+        // those that are checked are pressed twice
+        let total = others.places() + 2 * checked.places();
+        let done = AtomicUsize::new(0);
         let beneath = Beneath { monitor, count: Some((&done, total)) };
         if total > 0 {
             beneath.progress("", 0, 0)?;
         }
-        let making = Making {
-            places: &self,
-            monitor: &beneath,
-            done: &done,
-            cases: &cases,
-            wanted: &wanted,
-            counts: &counts,
+        let making = |wants| Making { places: &self, monitor: &beneath, done: &done, wants };
+        let (checking, making_others) = (making(&checked), making(&others));
+        let made_others = match checking.alone()? {
+            Some(thread) => {
+                let (made, checks) =
+                    rayon::join(|| in_turn(&making_others), || thread.install(|| checking.check()));
+                checks?;
+                made?
+            }
+            None => {
+                checking.check()?;
+                in_turn(&making_others)?
+            }
         };
-        for pair in checked {
-            making.check(pair)?;
-        }
-        let made = in_turn(&making)?;
-        for ((_, indices), record) in wanted.into_iter().flatten().zip(made.into_iter().flatten()) {
-            indices.into_iter().for_each(|index| self.records[index] = Some(record.clone()));
+        let made = [in_turn(&checking)?, made_others];
+        for (Wants { shifts, .. }, made) in [checked, others].into_iter().zip(made) {
+            for ((_, indices), record) in shifts.into_iter().flatten().zip(made.into_iter().flatten()) {
+                indices.into_iter().for_each(|index| self.records[index] = Some(record.clone()));
+            }
         }
         let records = self.records.into_iter().map(|record| record.expect("every place was taken or made"));
         Ok(Made::new(self.store, self.resources.monitor, self.places.into_iter().zip(records).collect()))
+    }
+}
+
+/// Cases with places that are to be made.
+struct Wants {
+    cases: Vec<usize>,
+    /// Their places.
+    shifts: Vec<Wanted>,
+    /// How many these are.
+    counts: Vec<usize>,
+}
+
+impl Wants {
+    fn of(missing: Missing) -> Self {
+        let (cases, shifts): (Vec<usize>, Vec<Wanted>) = missing.into_iter().unzip();
+        let counts = shifts.iter().map(Vec::len).collect();
+        Self { cases, shifts, counts }
+    }
+
+    fn places(&self) -> usize {
+        self.counts.iter().sum()
     }
 }
 
@@ -315,12 +343,8 @@ struct Making<'a, 'b> {
     monitor: &'b Beneath<'b>,
     /// Places that are done.
     done: &'b AtomicUsize,
-    /// The cases with missing places.
-    cases: &'b [usize],
-    /// Their places.
-    wanted: &'b [Wanted],
-    /// How many these are.
-    counts: &'b [usize],
+    /// What is made.
+    wants: &'b Wants,
 }
 
 impl Making<'_, '_> {
@@ -329,16 +353,37 @@ impl Making<'_, '_> {
         self.monitor.progress("", 0, 0)
     }
 
-    /// Has a pair pressed on its own bodies as well.
-    fn check(&self, pair: usize) -> Result<()> {
-        let shifts: Vec<f64> = self.wanted[pair].iter().map(|(shift, _)| *shift).collect();
-        self.case(pair).check(&shifts, self.places.fresh)?;
-        self.are_done(shifts.len())
+    /// A thread on which the pairs are pressed on their own bodies beside the places of others: the factors of one body after the other leave threads idle, but they take more memory than all
+    /// else. None where there is no room for two of them, or one thread.
+    ///
+    /// # Errors
+    /// An interruption.
+    fn alone(&self) -> Result<Option<ThreadPool>> {
+        if self.wants.cases.is_empty() || rayon::current_num_threads() < 2 {
+            return Ok(None);
+        }
+        let room = unless_interrupted(self.case(0).with_bodies(|case| case.room_of_bodies()))?;
+        if !room.is_ok_and(|rooms| rooms.iter().all(|room| room.condensing)) {
+            return Ok(None);
+        }
+        // the bodies that all have in common, before there is another factor; what is wrong with the case is reported with its places
+        unless_interrupted(self.case(0).ready())?.ok();
+        Ok(ThreadPoolBuilder::new().num_threads(1).build().ok())
+    }
+
+    /// Has the pairs pressed on their own bodies as well, one after the other.
+    fn check(&self) -> Result<()> {
+        for (pair, shifts) in self.wants.shifts.iter().enumerate() {
+            let shifts: Vec<f64> = shifts.iter().map(|(shift, _)| *shift).collect();
+            self.case(pair).check(&shifts, self.places.fresh)?;
+            self.are_done(shifts.len())?;
+        }
+        Ok(())
     }
 
     fn case(&self, pair: usize) -> CaseWork<'_> {
         let Places { table, store, resources, nominals, .. } = self.places;
-        let case = &table.cases[self.cases[pair]];
+        let case = &table.cases[self.wants.cases[pair]];
         CaseWork {
             study: &case.study,
             settings: Settings::of(&table.document),
@@ -357,7 +402,7 @@ impl Pairs for Making<'_, '_> {
     type Place = Held;
 
     fn places(&self) -> &[usize] {
-        self.counts
+        &self.wants.counts
     }
 
     fn ready(&self, pair: usize) -> Result<Self::Ready> {
@@ -372,7 +417,7 @@ impl Pairs for Making<'_, '_> {
     }
 
     fn place(&self, pair: usize, ready: &Self::Ready, place: usize) -> Result<Held> {
-        let (shift, _) = self.wanted[pair][place];
+        let (shift, _) = self.wants.shifts[pair][place];
         let held = match ready {
             Ok(ready) => {
                 let (case, Places { in_memory, store, .. }) = (self.case(pair), self.places);

@@ -116,7 +116,7 @@ mod tests {
         let rows = 3 * lines * columns;
         let wave = |n: usize| (1.3 * n as f64 + 0.4).sin();
         let mirror = |row: usize| row / (3 * columns) * 3 * columns + image(row % (3 * columns), columns);
-        let sign = |row: usize| if row % 3 == 0 { -1.0 } else { 1.0 };
+        let sign = |row: usize| if row.is_multiple_of(3) { -1.0 } else { 1.0 };
         let any = |r: usize, c: usize| wave(r + c) + wave(r * c);
         let body = Mat::from_fn(rows, rows, |r, c| any(r, c) + sign(r) * sign(c) * any(mirror(r), mirror(c)));
         let forces: Vec<f64> = (0..rows).map(wave).collect();

@@ -179,7 +179,8 @@ impl BodyCompliance<'_> {
             let by_place: Vec<(usize, f64)> = rows.row(a).iter().map(|&(dof, w)| (places[dof], w)).collect();
             let (with, across) = values.split_at_mut(half);
             let (with, across) = (&mut with[..=a], &mut across[..=a]);
-            (with.fill(0.0), across.fill(0.0));
+            with.fill(0.0);
+            across.fill(0.0);
             add_columns(&moved, 0..a + 1, &by_place, with);
             add_columns(&moved, half..half + a + 1, &by_place, across);
             let (column, image) = (of_ahead[a], of_twins[a]);
@@ -317,7 +318,7 @@ mod tests {
         let wave = |n: usize| (1.7 * n as f64 + 0.3).sin();
         let any = |r: usize, c: usize| wave(r + c) + wave(r * c);
         let body = Mat::<f64>::from_fn(3 * lines * columns, 3 * lines * columns, |r, c| {
-            let sign = if (r % 3 == 0) == (c % 3 == 0) { 1.0 } else { -1.0 };
+            let sign = if r.is_multiple_of(3) == c.is_multiple_of(3) { 1.0 } else { -1.0 };
             any(r, c) + sign * any(3 * image(r / 3) + r % 3, 3 * image(c / 3) + c % 3)
         });
         let mut points = flat_grid((3, 5), 1e-3, |_, _| 0.0);

@@ -25,7 +25,7 @@ pub fn is_mirrored(compliance: &Mat<f64>, grid: &SurfaceGrid) -> bool {
     (0..rows).filter(|column| *column <= image(*column)).all(|column| {
         let (here, there) = (compliance.col_as_slice(column), compliance.col_as_slice(image(column)));
         let odd = |row: usize| {
-            let sign = if (row % 3 == 0) == (column % 3 == 0) { 1.0 } else { -1.0 };
+            let sign = if row.is_multiple_of(3) == column.is_multiple_of(3) { 1.0 } else { -1.0 };
             here[row] - sign * there[image(row)]
         };
         (0..rows).all(|row| odd(row).abs() <= ALIKE * largest)
@@ -55,7 +55,7 @@ mod tests {
             3 * (node / columns * columns + columns - 1 - node % columns) + row % 3
         };
         let value = |r: usize, c: usize| {
-            let sign = if (r % 3 == 0) == (c % 3 == 0) { 1.0 } else { -1.0 };
+            let sign = if r.is_multiple_of(3) == c.is_multiple_of(3) { 1.0 } else { -1.0 };
             any(r, c) + sign * any(image(r), image(c))
         };
         let beside = |r: usize, c: usize| if r.max(c) < rows { value(r, c) } else { 7.0 };
