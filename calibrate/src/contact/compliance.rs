@@ -1,7 +1,6 @@
 //! Contact forces in, change of gap and slip out.
 
-use super::operator::ALONG;
-use super::point::{ContactPoint, Side};
+use super::point::{ALONG, ContactPoint, Side};
 use crate::superelement::add_columns;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};

@@ -2,7 +2,7 @@
 
 use super::half_space::{Factors, HatTable, Kernels};
 use super::mirrored_transform::MirroredTransform;
-use super::operator::ALONG;
+use super::point::ALONG;
 use nalgebra::Vector2;
 use realfft::num_complex::Complex;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};

@@ -11,8 +11,7 @@ mod means;
 pub(super) use means::HatTable;
 
 use super::compliance::Compliance;
-use super::operator::ALONG;
-use super::point::{ContactPoint, Side};
+use super::point::{ALONG, ContactPoint, Side};
 use crate::solid::Material;
 use faer::Mat;
 use means::means;

@@ -2,7 +2,8 @@
 //! meshes.
 
 use super::near_field::NearField;
-use super::operator::{ALONG, ComplianceOperator};
+use super::operator::ComplianceOperator;
+use super::point::ALONG;
 use crate::superelement::add_times;
 use faer::Mat;
 use nalgebra::Vector2;

@@ -6,8 +6,8 @@
 //! The unknown of a point is what it carries together with its twin, `q = w·f` with `w = 2`, and `w = 1` on the middle line. Its compliance
 //! `C' = (C(point, point) ± C(point, twin))/2` is symmetric, its friction bound is that of both, and the hub takes `q` as it is.
 
-use super::operator::{ALONG, ComplianceOperator};
-use super::point::ContactPoint;
+use super::operator::ComplianceOperator;
+use super::point::{ALONG, ContactPoint};
 use super::state::{Problem, Solution};
 
 /// Part of the largest gap or slip by which those of twins may differ: what condensed bodies that are alike but for their last digits leave of slips. The difference

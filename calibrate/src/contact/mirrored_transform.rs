@@ -4,7 +4,7 @@
 //! real values: half of the work. The spectra here have the frequencies along the track from the middle line outwards, and along the profile, half of each. That of
 //! opposite values is multiplied by i.
 
-use super::operator::ALONG;
+use super::point::ALONG;
 use realfft::RealFftPlanner;
 use realfft::num_complex::Complex;
 use realfft::{ComplexToReal, RealToComplex};

@@ -2,8 +2,8 @@
 
 use super::convolution::{Convolution, Spectrum};
 use super::half_space::{Factors, HalfSpace, HatTable, sum_of_factors};
-use super::operator::{ALONG, ComplianceOperator};
-use super::point::ContactPoint;
+use super::operator::ComplianceOperator;
+use super::point::{ALONG, ContactPoint};
 use super::strips::Strips;
 use faer::Mat;
 use nalgebra::Vector2;

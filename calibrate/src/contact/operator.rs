@@ -2,9 +2,6 @@
 
 use faer::Mat;
 
-/// The direction along the track, in which mirror images along it have opposite values.
-pub(super) const ALONG: usize = 2;
-
 /// A symmetric compliance, m/N, between the rows `direction·points + point` of a list of contact points. The solver
 /// multiplies with it, and has its values only where points carry load.
 pub trait ComplianceOperator: Send + Sync {

@@ -2,6 +2,9 @@
 
 use nalgebra::{Point2, Vector2, Vector3};
 
+/// The direction along the track, in which mirror images along it have opposite values.
+pub(super) const ALONG: usize = 2;
+
 /// Which of the two bodies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Side {

@@ -8,8 +8,9 @@ const ALIKE: f64 = 1e-9;
 /// The same of the places of nodes along the track.
 const SAME_PLACE: f64 = 1e-9;
 
-/// Whether the `compliance` of the nodes of a `grid` (`3·node + axis`, m/N) is its own mirror image along the track, and the grid is, to a billionth of the largest values: a force on
-/// the mirror image of a node then moves the mirror images of all nodes, with the opposite sign along the track.
+/// Whether the `compliance` of the nodes of a `grid` (`3·node + axis`, m/N) is its own mirror image along the track, and the grid is, to a billionth of the largest values.
+///
+/// A force on the mirror image of a node then moves the mirror images of all nodes, with the opposite sign along the track.
 pub fn is_mirrored(compliance: &Mat<f64>, grid: &SurfaceGrid) -> bool {
     let x = &grid.along_track;
     let columns = x.len();
