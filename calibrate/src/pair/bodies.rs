@@ -221,6 +221,12 @@ impl CondensedPair {
         Self { wheel, rail_on_ends, rail_on_foot, section, against_section, mirrored: self.mirrored }
     }
 
+    /// The same where the wheel is partly that of another pair.
+    pub(super) fn with_part_of(mut self, other: &Self) -> Self {
+        self.mirrored.wheel &= other.mirrored.wheel;
+        self
+    }
+
     /// Compliance of the rail's contact nodes against its section, m/N.
     pub fn against_section(&self) -> &Mat<f64> {
         &self.against_section

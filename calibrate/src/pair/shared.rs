@@ -106,7 +106,8 @@ pub fn wheel_between(pairs: [(&Pair, &CondensedPair); 2], radius: f64) -> Result
     let mut pair = smaller.clone();
     pair.wheel.radius = radius;
     let CondensedPair { rail_on_ends, rail_on_foot, .. } = of_smaller;
-    Ok((pair, of_smaller.with_bodies(wheel, rail_on_ends.clone(), rail_on_foot.clone())))
+    let between = of_smaller.with_bodies(wheel, rail_on_ends.clone(), rail_on_foot.clone());
+    Ok((pair, between.with_part_of(of_larger)))
 }
 
 /// Whether the nodes of two grids on wheels of these radii (m) are as many, and have nearly the same places along the profile and arc lengths.
