@@ -25,7 +25,7 @@ pub use condensed::{CondensedBody, body_key};
 pub use dense::product_speed;
 pub use factor::Factor;
 pub use factored::Superelement;
-pub use mirrored::is_mirrored;
+pub use mirrored::{image_along, is_mirrored, sign_along};
 pub use modes::Modes;
 pub use parts::{Parts, Wanted};
 pub use products::{add_columns, add_times, times};

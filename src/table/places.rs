@@ -231,7 +231,8 @@ impl<'a> Places<'a> {
         let condensed = bodies + on_own.iter().sum::<usize>();
         let room = Room::of(estimate.beside, self.resources.budget);
         // the places of a pair are pressed beside the making of the next bodies
-        let is_beside = bodies > 2 || !on_own.is_empty() && room.condensing && threads > 1.0;
+        let has_others = on_own.len() < missing.len();
+        let is_beside = bodies > 2 || !on_own.is_empty() && has_others && room.condensing && threads > 1.0;
         let beside = estimate.stages.get(1).filter(|_| is_beside).map_or(0.0, |stage| stage.memory);
         let together = if room.condensing { estimate.beside.condensing } else { 0.0 };
         let memory = estimate.memory().max(together) + beside + CASE * self.table.cases.len() as f64;
@@ -293,7 +294,9 @@ impl<'a> Places<'a> {
         }
         let making = |wants| Making { places: &self, monitor: &beneath, done: &done, wants };
         let (checking, making_others) = (making(&checked), making(&others));
-        let made_others = match checking.alone()? {
+        // a thread for itself leaves those idle that have nothing else
+        let alone = if others.cases.is_empty() { None } else { checking.alone()? };
+        let made_others = match alone {
             Some(thread) => {
                 let (made, checks) =
                     rayon::join(|| in_turn(&making_others), || thread.install(|| checking.check()));

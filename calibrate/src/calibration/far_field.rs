@@ -92,9 +92,8 @@ impl FarField {
         };
         let (mut rail_part, mut wheel_part) =
             rayon::join(|| of(of_rail, Side::Base), || of(of_wheel, Side::Opposing));
-        let half_spaces = [&solids.half_spaces[0], &solids.half_spaces[1]];
         let wanted = |a, b| stand_ins.of(a, b).is_none();
-        let parts = [&mut rail_part, &mut wheel_part];
+        let (half_spaces, parts) = (solids.half_spaces.each_ref(), [&mut rail_part, &mut wheel_part]);
         subtract_half_spaces(half_spaces, &points, all.as_deref(), wanted, parts);
         [&mut rail_part, &mut wheel_part].into_iter().for_each(|body| stand_ins.smooth(body));
         let mut sum = rail_part.clone();

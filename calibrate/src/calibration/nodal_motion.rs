@@ -1,7 +1,7 @@
 //! What the contact nodes of a body move by under a load.
 
 use crate::contact::{ContactPoint, Side};
-use crate::superelement::add_times;
+use crate::superelement::{add_times, image_along, sign_along};
 use faer::Mat;
 use std::sync::OnceLock;
 
@@ -33,8 +33,7 @@ impl NodalMotion {
         let mut moved = vec![0.0; width];
         add_times(body.subrows(line * width + own, width - own), &self.forces, &mut moved[own..]);
         for behind in 0..own {
-            let value = moved[image(behind, self.columns)];
-            moved[behind] = if behind % 3 == 0 { -value } else { value };
+            moved[behind] = sign_along(behind) * moved[image_along(behind, self.columns)];
         }
         moved
     }
@@ -53,21 +52,11 @@ impl NodalMotion {
 /// Part of the largest force by which mirror images may differ: the displacements then differ by as little.
 const ALIKE: f64 = 1e-9;
 
-/// Place of the mirror image of a coordinate (`3·(node of the line) + axis`) on its line of so many nodes.
-fn image(coordinate: usize, columns: usize) -> usize {
-    3 * (columns - 1 - coordinate / 3) + coordinate % 3
-}
-
 /// Whether forces on lines of so many nodes are their own mirror image along the track.
 fn are_images(forces: &[f64], columns: usize) -> bool {
     let largest = forces.iter().fold(0.0_f64, |m, force| m.max(force.abs()));
-    forces.chunks(3 * columns).all(|line| {
-        let odd = |(at, force): (usize, &f64)| {
-            let other = line[image(at, columns)];
-            if at % 3 == 0 { force + other } else { force - other }
-        };
-        line.iter().enumerate().map(odd).all(|odd| odd.abs() <= ALIKE * largest)
-    })
+    let odd = |(at, force): (usize, &f64)| force - sign_along(at) * forces[image_along(at, columns)];
+    forces.iter().enumerate().map(odd).all(|odd| odd.abs() <= ALIKE * largest)
 }
 
 #[cfg(test)]
@@ -115,7 +104,8 @@ mod tests {
         let (lines, columns) = (4, 5);
         let rows = 3 * lines * columns;
         let wave = |n: usize| (1.3 * n as f64 + 0.4).sin();
-        let mirror = |row: usize| row / (3 * columns) * 3 * columns + image(row % (3 * columns), columns);
+        let mirror =
+            |row: usize| 3 * (row / 3 / columns * columns + columns - 1 - row / 3 % columns) + row % 3;
         let sign = |row: usize| if row.is_multiple_of(3) { -1.0 } else { 1.0 };
         let any = |r: usize, c: usize| wave(r + c) + wave(r * c);
         let body = Mat::from_fn(rows, rows, |r, c| any(r, c) + sign(r) * sign(c) * any(mirror(r), mirror(c)));

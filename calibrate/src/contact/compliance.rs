@@ -185,11 +185,12 @@ impl BodyCompliance<'_> {
             let (column, image) = (of_ahead[a], of_twins[a]);
             for b in 0..=a {
                 let sign = if (column / n == ALONG) == (of_ahead[b] / n == ALONG) { 1.0 } else { -1.0 };
-                let entries = [(of_ahead[b], column, with[b]), (of_twins[b], column, across[b])];
-                for (r, c, value) in entries {
-                    (matrix[(r, c)], matrix[(c, r)]) = (value, value);
-                }
-                let entries = [(of_twins[b], image, sign * with[b]), (of_ahead[b], image, sign * across[b])];
+                let entries = [
+                    (of_ahead[b], column, with[b]),
+                    (of_twins[b], column, across[b]),
+                    (of_twins[b], image, sign * with[b]),
+                    (of_ahead[b], image, sign * across[b]),
+                ];
                 for (r, c, value) in entries {
                     (matrix[(r, c)], matrix[(c, r)]) = (value, value);
                 }

@@ -171,13 +171,18 @@ fn add_half_spaces<const N: usize>(
         (i.min(j), i.max(j))
     };
     for j in 0..n {
-        for i in (0..=j).filter(|&i| (image(i, j).1, image(i, j).0) <= (j, i) && wanted(i, j)) {
+        for i in 0..=j {
+            let (first, last) = image(i, j);
+            // the earlier one of both pairs stands for them
+            if (last, first) > (j, i) || !wanted(i, j) {
+                continue;
+            }
             let d = points[i].position - points[j].position;
             let mut means = known_means(&d.abs(), &points[i].widths, &points[j].widths);
             let side = Vector2::new(d.x.signum(), d.y.signum());
             means.shear *= side.x * side.y;
             means.gradient.component_mul_assign(&side);
-            let twins = twins.map(|twins| [twins[i], twins[j]]).filter(|_| image(i, j) != (i, j));
+            let twins = twins.map(|twins| [twins[i], twins[j]]).filter(|_| (first, last) != (i, j));
             for (factors, matrix) in factors.iter().zip(&mut matrices) {
                 let mut add = |[i, j]: [usize; 2], [to, from]: [usize; 2], value: f64| {
                     matrix[(to * n + i, from * n + j)] += value;

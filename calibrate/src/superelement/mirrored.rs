@@ -8,6 +8,17 @@ const ALIKE: f64 = 1e-9;
 /// The same of the places of nodes along the track.
 const SAME_PLACE: f64 = 1e-9;
 
+/// The mirror image along the track of a coordinate (`3·node + axis`) of a grid with so many `columns` of nodes along it.
+pub fn image_along(coordinate: usize, columns: usize) -> usize {
+    let node = coordinate / 3;
+    3 * (node - node % columns + columns - 1 - node % columns) + coordinate % 3
+}
+
+/// What a force or a displacement in a coordinate is multiplied with in its mirror image along the track.
+pub fn sign_along(coordinate: usize) -> f64 {
+    if coordinate.is_multiple_of(3) { -1.0 } else { 1.0 }
+}
+
 /// Whether the `compliance` of the nodes of a `grid` (`3·node + axis`, m/N) is its own mirror image along the track, and the grid is, to a billionth of the largest values.
 ///
 /// A force on the mirror image of a node then moves the mirror images of all nodes, with the opposite sign along the track.
@@ -16,19 +27,15 @@ pub fn is_mirrored(compliance: &Mat<f64>, grid: &SurfaceGrid) -> bool {
     let columns = x.len();
     let last = x.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
     let grid_is = x.iter().zip(x.iter().rev()).all(|(a, b)| (a + b).abs() <= SAME_PLACE * last);
-    let width = 3 * columns;
-    let rows = grid.along_profile.len() * width;
+    let rows = 3 * grid.along_profile.len() * columns;
     if !grid_is || columns == 0 || compliance.nrows() < rows {
         return false;
     }
-    let image = |row: usize| row / width * width + 3 * (columns - 1 - row % width / 3) + row % 3;
+    let image = |row: usize| image_along(row, columns);
     let largest = (0..rows).fold(0.0_f64, |m, row| m.max(compliance[(row, row)].abs()));
     (0..rows).filter(|column| *column <= image(*column)).all(|column| {
         let (here, there) = (compliance.col_as_slice(column), compliance.col_as_slice(image(column)));
-        let odd = |row: usize| {
-            let sign = if row.is_multiple_of(3) == column.is_multiple_of(3) { 1.0 } else { -1.0 };
-            here[row] - sign * there[image(row)]
-        };
+        let odd = |row: usize| here[row] - sign_along(row) * sign_along(column) * there[image(row)];
         (0..rows).all(|row| odd(row).abs() <= ALIKE * largest)
     })
 }
