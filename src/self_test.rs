@@ -4,6 +4,7 @@
 //! otherwise than those that were tested.
 
 use std::f64::consts::PI;
+use std::sync::OnceLock;
 
 use nalgebra::{Point2, Vector2};
 use railspring_calibrate::analytic::beam::Bending;
@@ -204,6 +205,7 @@ fn hertz() -> Result<Vec<Check>> {
         field: ContactField::Hybrid,
         materials: [Material::STEEL; 2],
         along: DOWNWARDS,
+        beyond: OnceLock::new(),
     };
     let found = last(&placed, 80e3)?;
     let modulus = Material::STEEL.contact_modulus(&Material::STEEL);

@@ -14,8 +14,8 @@ mod patch;
 mod rim;
 mod press;
 
-pub use far_field::Solids;
-pub use fine::{Displaced, FineContact, widened};
+pub use far_field::{SolidBody, Solids, widened};
+pub use fine::{Displaced, FineContact};
 pub use grid::{cell_for, too_coarse, touches_border, widths};
 pub use patch::{Patch, PatchBand, PatchValues, PeakBand};
 pub use pressed::{Bodies, ContactField, DOWNWARDS, Enforcement, Pressed, WheelOnRail};

@@ -15,6 +15,7 @@ use railspring_profiles::monitor::Silent;
 use railspring_profiles::placement::TrackGeometry;
 use railspring_profiles::profile::ProfileCurve;
 use railspring_profiles::section::{rail_section, wheel_section};
+use std::sync::OnceLock;
 
 /// A parabola of a radius in the middle, 40 mm wide, its material on the other side of the `sign` of z.
 fn crown(radius: f64, sign: f64) -> ProfileCurve {
@@ -51,6 +52,7 @@ fn half_spaces_are_hertz() {
         field: ContactField::Hybrid,
         materials: [soft, Material::STEEL],
         along: DOWNWARDS,
+        beyond: OnceLock::new(),
     };
     let loads: Vec<f64> = (0..12).map(|i| 5e3 * 1.313_f64.powi(i)).collect();
     let states = press_loads(&placed, &loads, "press", &Silent).unwrap();

@@ -77,6 +77,7 @@ pub(super) fn on<'a>(
                 grid: &mesh.contact,
                 material: MATERIAL,
                 mirrored: false,
+                beyond: None,
             }
         });
     let contact = ContactConditions { friction, enforcement: Enforcement::Exact, field };
@@ -491,6 +492,7 @@ fn a_crowned_wheel_on_an_irregular_mesh_is_hertz() {
             field: ContactField::Hybrid,
             materials: [MATERIAL, stiff],
             along: DOWNWARDS,
+            beyond: OnceLock::new(),
         };
         for (p, patch) in patches(&pressed, &[10e3, 30e3, 60e3], Reference::Local) {
             // the crown is a hyperbola of this radius at its vertex

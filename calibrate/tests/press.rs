@@ -16,6 +16,7 @@ use railspring_calibrate::superelement::Superelement;
 use railspring_profiles::monitor::Silent;
 use railspring_profiles::placement::TrackGeometry;
 use railspring_profiles::section::{rail_section, wheel_section};
+use std::sync::OnceLock;
 
 struct Case {
     rail: &'static str,
@@ -87,6 +88,7 @@ fn press(
         field: ContactField::Elements,
         materials: [case.material; 2],
         along: DOWNWARDS,
+        beyond: OnceLock::new(),
     };
     let states = press_loads(&pair, loads, "press", &Silent).unwrap();
     let points = references

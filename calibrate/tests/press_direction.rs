@@ -11,6 +11,7 @@ use railspring_calibrate::mesh::SurfaceGrid;
 use railspring_calibrate::solid::Material;
 use railspring_profiles::monitor::Silent;
 use railspring_profiles::profile::ProfileCurve;
+use std::sync::OnceLock;
 
 /// A symmetric crown of a rail and a symmetric wheel, m, with contact nodes that a smooth and isotropic compliance connects.
 struct Bodies {
@@ -97,6 +98,7 @@ impl Bodies {
             field: ContactField::Elements,
             materials: [Material::STEEL; 2],
             along: along(angle),
+            beyond: OnceLock::new(),
         };
         let states = press_loads(&pair, loads, "press", &Silent).unwrap();
         let points = load_points(&pair, &states, Reference::Foot).unwrap();

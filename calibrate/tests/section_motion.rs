@@ -86,10 +86,16 @@ fn found(length: f64, loads: &[f64]) -> Found {
         grid: &wheel_mesh.contact,
         material: Material::STEEL,
         mirrored: false,
+        beyond: None,
     };
     let wheel_on = |compliance| {
-        let rail =
-            ContactBody { compliance, grid: &mesh.contact, material: Material::STEEL, mirrored: false };
+        let rail = ContactBody {
+            compliance,
+            grid: &mesh.contact,
+            material: Material::STEEL,
+            mirrored: false,
+            beyond: None,
+        };
         pair.wheel_on_rail(rail, wheel, contact)
     };
     let on_section = wheel_on(&relative);

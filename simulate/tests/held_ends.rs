@@ -80,6 +80,7 @@ fn of_solids(track: &Track, pair: &Pair, x: f64) -> Matrix2<f64> {
         grid: &mesh.contact,
         material: Material::STEEL,
         mirrored: false,
+        beyond: None,
     };
     let wheel = pair.contact_body(PairBody::Wheel, &track.bodies.wheel).unwrap();
     let placed = pair.wheel_on_rail(rail, wheel, contact());

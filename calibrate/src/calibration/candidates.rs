@@ -1,7 +1,7 @@
 //! Where contact is sought while a load settles: the nodes of the rail's mesh, or the points of a fine grid.
 
-use super::far_field::Solids;
-use super::fine::{Displaced, FineContact, points_around, widened};
+use super::far_field::{SolidBody, Solids, widened};
+use super::fine::{Displaced, FineContact, points_around};
 use super::grid::{cell_for, first_forces, rim_gap, too_coarse, touches_border, widths};
 use super::pressed::{Bodies, Elasticity, Pressed, WheelOnRail, carry_over};
 use crate::contact::{ContactPoint, Lattice};
@@ -18,6 +18,8 @@ const CANDIDATE_MARGIN: f64 = 20e-6;
 const GRID_CHANGES: usize = 8;
 /// Of the gap at the rim of a patch, what its neighbourhood must have at most to be in reach.
 const REACH: f64 = 2.0;
+/// Of that gap, what it may be at most under a load from which the next one is reached.
+const FARTHEST_REACH: f64 = 4.0;
 /// The same of the gaps of rigid bodies, which are half a wheel's way down wider at the rim.
 const FIRST_REACH: f64 = 4.0;
 
@@ -99,7 +101,13 @@ impl WheelOnRail<'_> {
     pub(super) fn solids(&self, hub: &Vector2<f64>) -> Solids<'_> {
         Solids {
             bodies: match self.bodies {
-                Bodies::Condensed { rail, wheel, .. } => Some([rail, wheel]),
+                Bodies::Condensed { rail, wheel, .. } => {
+                    let [beyond_rail, beyond_wheel] = self.beyond();
+                    Some([
+                        SolidBody { compliance: rail, beyond: beyond_rail },
+                        SolidBody { compliance: wheel, beyond: beyond_wheel },
+                    ])
+                }
                 Bodies::HalfSpaces => None,
             },
             mirrored: matches!(self.bodies, Bodies::Condensed { mirrored: true, .. }),
@@ -245,9 +253,10 @@ impl WheelOnRail<'_> {
         self.region_of(state, state.node_gaps.get_or_init(|| self.node_gaps(state)), part)
     }
 
-    /// The nodes of the rail's grid near the wheel, with their gaps with the displacements of a state, m.
+    /// The nodes of the rail's grid near the wheel, with their gaps with the displacements of a state, m. Elastic bodies close less of a gap beside the patch than the hub's way.
     fn node_gaps(&self, state: &Pressed) -> Vec<((usize, usize), f64)> {
-        let points = self.nodes_near(&state.hub, PAIRING_GAP);
+        let way = state.hub.dot(&self.along).abs();
+        let points = self.nodes_near(&state.hub, (FARTHEST_REACH * self.reach(state) + way).min(PAIRING_GAP));
         let gaps = state.gaps_at(self, &points);
         points.iter().zip(gaps).map(|(point, gap)| (point.index, gap)).collect()
     }

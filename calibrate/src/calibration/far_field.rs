@@ -1,8 +1,7 @@
 //! The far field of two condensed bodies: what they are beyond their half-spaces.
 
 use crate::contact::{
-    BodyCompliance, ContactPoint, HalfSpace, NodalCompliance, Side, Surface, locate, pair_nodes,
-    subtract_half_spaces, total,
+    BeyondHalfSpace, ContactPoint, HalfSpace, NodalCompliance, Side, Surface, at_points, locate, pair_nodes,
 };
 use crate::superelement::times;
 use faer::Mat;
@@ -11,8 +10,8 @@ use std::sync::Arc;
 
 /// Two condensed bodies in place.
 pub struct Solids<'a> {
-    /// Compliances of the contact nodes of rail and wheel; none where they are their half-spaces.
-    pub bodies: Option<[&'a dyn NodalCompliance; 2]>,
+    /// Rail and wheel; none where they are their half-spaces.
+    pub bodies: Option<[SolidBody<'a>; 2]>,
     /// The rail's surface in its place.
     pub rail_surface: Surface<'a>,
     /// The wheel's surface in its place.
@@ -23,13 +22,42 @@ pub struct Solids<'a> {
     pub mirrored: bool,
 }
 
+/// A condensed body.
+#[derive(Clone, Copy)]
+pub struct SolidBody<'a> {
+    /// Compliance of its contact nodes.
+    pub compliance: &'a dyn NodalCompliance,
+    /// What the matrix of that compliance is beyond a half-space, by which the factor of the matrix makes that of the solids.
+    pub beyond: &'a BeyondHalfSpace,
+}
+
+impl SolidBody<'_> {
+    /// What it is beyond its half-space at `points`, whose mirror images are `twins` if it is its own one.
+    fn at(
+        &self,
+        points: &[ContactPoint],
+        side: Side,
+        directions: usize,
+        twins: Option<&[usize]>,
+    ) -> Mat<f64> {
+        let mut nodes: Vec<usize> =
+            points.iter().flat_map(|point| point.weights(side)).map(|weight| weight.node).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        let between = self.beyond.between(&self.compliance.terms(), &nodes);
+        let mut places = vec![0; nodes.last().map_or(0, |last| last + 1)];
+        nodes.iter().enumerate().for_each(|(place, &node)| places[node] = place);
+        at_points((&between, |node: usize| places[node]), points, side, directions, twins)
+    }
+}
+
 /// Both bodies less their half-spaces at nodes of the rail's contact grid, in the function space of these nodes. It is
 /// smooth, and is interpolated between them.
 ///
 /// The wheel's mesh slides by some tenths of a millimetre past the rail's as the load grows; a smooth field hardly
 /// changes by that, so one far field serves a sequence of loads ([`FAR_SLIDE`]).
 pub(super) struct FarField {
-    /// The coarse points.
+    /// The coarse points: nodes of the rail's grid, each with the nodes of both bodies that its forces reach.
     pub points: Vec<ContactPoint>,
     /// The rail's part and the wheel's, `direction·points + point`, m/N.
     bodies: [Mat<f64>; 2],
@@ -70,7 +98,7 @@ impl FarField {
     /// The far field between the `nodes` of the rail's grid, with `directions` unknowns a point.
     pub fn new(solids: &Solids, nodes: Vec<bool>, directions: usize) -> Self {
         let columns = solids.rail_surface.grid.along_track.len();
-        let points = pair_nodes(&solids.rail_surface, &solids.wheel_surface, |(i, k)| nodes[i * columns + k]);
+        let mut points = pair_nodes(&solids.rail_surface, &solids.wheel_surface, &nodes);
         let mut slot = vec![None; nodes.len()];
         points.iter().enumerate().for_each(|(j, p)| slot[p.index.0 * columns + p.index.1] = Some(j));
         let turn = solids.rail_surface.turn;
@@ -84,18 +112,13 @@ impl FarField {
         };
         let twins = twins(&points, &slot, columns);
         let all: Option<Vec<usize>> = if solids.mirrored { twins.iter().copied().collect() } else { None };
-        let stand_ins = StandIns { points: &points, slot: &slot, columns };
-        let of = |compliance: &dyn NodalCompliance, side| {
-            let body = BodyCompliance { compliance, side };
-            let half = all.as_ref().and_then(|twins| body.of_mirrored(&points, twins, directions));
-            half.unwrap_or_else(|| total(&[&body], &points, directions))
-        };
-        let (mut rail_part, mut wheel_part) =
-            rayon::join(|| of(of_rail, Side::Base), || of(of_wheel, Side::Opposing));
-        let wanted = |a, b| stand_ins.of(a, b).is_none();
-        let (half_spaces, parts) = (solids.half_spaces.each_ref(), [&mut rail_part, &mut wheel_part]);
-        subtract_half_spaces(half_spaces, &points, all.as_deref(), wanted, parts);
-        [&mut rail_part, &mut wheel_part].into_iter().for_each(|body| stand_ins.smooth(body));
+        let of = |body: &SolidBody, side| body.at(&points, side, directions, all.as_deref());
+        let (rail_part, wheel_part) =
+            rayon::join(|| of(&of_rail, Side::Base), || of(&of_wheel, Side::Opposing));
+        for point in &mut points {
+            point.base = of_rail.beyond.spread(&point.base);
+            point.opposing = of_wheel.beyond.spread(&point.opposing);
+        }
         let mut sum = rail_part.clone();
         for c in 0..sum.ncols() {
             let values = sum.col_as_slice_mut(c).iter_mut().zip(wheel_part.col_as_slice(c));
@@ -145,6 +168,20 @@ impl FarField {
     }
 }
 
+/// Nodes of a grid with `columns` lines along the track within so many lines of those in `nodes`.
+pub fn widened(nodes: &[bool], columns: usize, lines: usize) -> Vec<bool> {
+    let rows = nodes.len() / columns;
+    let mut wide = vec![false; nodes.len()];
+    for node in (0..nodes.len()).filter(|&node| nodes[node]) {
+        let (i, k) = (node / columns, node % columns);
+        for a in i.saturating_sub(lines)..=(i + lines).min(rows - 1) {
+            let line = &mut wide[a * columns..(a + 1) * columns];
+            line[k.saturating_sub(lines)..=(k + lines).min(columns - 1)].fill(true);
+        }
+    }
+    wide
+}
+
 /// The mirror images of points along the track, on a grid with so many lines along it; `slot` has the point at each node.
 fn twins(points: &[ContactPoint], slot: &[Option<usize>], columns: usize) -> Vec<Option<usize>> {
     let twin = |point: &ContactPoint| {
@@ -170,109 +207,4 @@ fn is_mirrored(sum: &Mat<f64>, twins: &[Option<usize>]) -> bool {
             |(r, twin, sign): &(usize, usize, f64)| column[*r] - sign * sign_of_column * mirrored[*twin];
         rows.iter().all(|row| odd(row).abs() <= ALIKE * largest)
     })
-}
-
-/// Lines of the grid, in either direction, over which an element mesh does not resolve a half-space: the difference of
-/// both is an error there.
-const UNRESOLVED: usize = 2;
-
-/// Pairs of nodes of a grid (with `columns` lines along the track) in the place of those that are so near each other that the
-/// elements do not resolve what lies between them: farther apart along the track, with the same middle.
-struct StandIns<'a> {
-    points: &'a [ContactPoint],
-    slot: &'a [Option<usize>],
-    columns: usize,
-}
-
-/// Two pairs of points, the second with the other sign of the distance along the track, and the part of the odd difference.
-struct StandIn {
-    pairs: [(usize, usize); 2],
-    odd: f64,
-}
-
-impl StandIns<'_> {
-    /// In the place of two points; `None` if they are far enough apart, or where the grid ends.
-    fn of(&self, a: usize, b: usize) -> Option<StandIn> {
-        let ((i, k), (m, l)) = (self.points[a].index, self.points[b].index);
-        let apart = k.abs_diff(l);
-        if i.abs_diff(m) > UNRESOLVED || apart > UNRESOLVED {
-            return None;
-        }
-        // as many lines outwards on both sides
-        let outwards = (UNRESOLVED + 2 - apart) / 2;
-        let (low, high) = (k.min(l).checked_sub(outwards)?, k.max(l) + outwards);
-        if high >= self.columns {
-            return None;
-        }
-        let (one, other) = if k <= l { (low, high) } else { (high, low) };
-        let at = |i: usize, k: usize| self.slot[i * self.columns + k];
-        let pairs = [(at(i, one)?, at(m, other)?), (at(i, other)?, at(m, one)?)];
-        Some(StandIn { pairs, odd: apart as f64 / (high - low) as f64 })
-    }
-
-    /// Replaces the values between the points that have a stand-in: the part that is even in the distance as it is, the
-    /// odd part in proportion.
-    fn smooth(&self, rest: &mut Mat<f64>) {
-        let n = self.points.len();
-        let directions = rest.nrows().checked_div(n).unwrap_or(0);
-        // stand-ins have none themselves
-        for a in 0..n {
-            for b in 0..n {
-                let Some(StandIn { pairs: [(c, d), (e, f)], odd }) = self.of(a, b) else { continue };
-                for to in 0..directions {
-                    for from in 0..directions {
-                        let (same, turned) =
-                            (rest[(to * n + c, from * n + d)], rest[(to * n + e, from * n + f)]);
-                        rest[(to * n + a, from * n + b)] =
-                            0.5 * (same + turned) + 0.5 * odd * (same - turned);
-                    }
-                }
-            }
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::contact::flat_grid;
-
-    /// Goal: a far field that is smooth, with a part that is odd in the distance along the track, stays what it is; an error
-    /// between nodes up to two lines apart goes. Unit m/N. Accuracy: MODEL, what the even part changes by over the four lines
-    /// that are bridged, 16·0.001; ROUNDOFF.
-    #[test]
-    fn errors_between_neighbours_go() {
-        const ROUNDOFF: f64 = 1e-12;
-        const MODEL: f64 = 0.016;
-        let (rows, columns) = (7, 9);
-        let points = flat_grid((rows, columns), 1.0, |_, _| 0.0);
-        let n = points.len();
-        let slot: Vec<Option<usize>> = (0..n).map(Some).collect();
-        let exact = |r: usize, c: usize| {
-            let ((to, a), (from, b)) = ((r / n, points[r % n].index), (c / n, points[c % n].index));
-            let apart = b.1 as f64 - a.1 as f64;
-            match (to, from) {
-                (2, 0) | (2, 1) => -0.1 * apart,
-                (0, 2) | (1, 2) => 0.1 * apart,
-                _ => 1.0 + 0.01 * (a.0 + b.0) as f64 + 0.02 * (a.1 + b.1) as f64 - 0.001 * apart * apart,
-            }
-        };
-        let near = |r: usize, c: usize| {
-            let (a, b) = (points[r % n].index, points[c % n].index);
-            a.0.abs_diff(b.0) <= UNRESOLVED && a.1.abs_diff(b.1) <= UNRESOLVED
-        };
-        let mut found = Mat::from_fn(3 * n, 3 * n, |r, c| exact(r, c) - if near(r, c) { 0.7 } else { 0.0 });
-        StandIns { points: &points, slot: &slot, columns }.smooth(&mut found);
-        for r in 0..3 * n {
-            for c in 0..3 * n {
-                let inside = |j: usize| (2..columns - 2).contains(&points[j % n].index.1);
-                if inside(r) && inside(c) {
-                    let tolerance = ROUNDOFF + if near(r, c) { MODEL } else { 0.0 };
-                    let error = found[(r, c)] - exact(r, c);
-                    assert!(error.abs() < tolerance, "{r} {c}: {error}");
-                }
-                assert!((found[(r, c)] - found[(c, r)]).abs() < ROUNDOFF, "{r} {c}");
-            }
-        }
-    }
 }

@@ -1,6 +1,6 @@
 //! Contact of two condensed bodies on a fine grid that follows the patch.
 
-use super::far_field::{FarField, Solids};
+use super::far_field::{FarField, Solids, widened};
 use crate::contact::{
     ComplianceOperator, ContactPoint, HalfSpace, Hybrid, Lattice, NearField, Share, Shares, Side, corners,
     nodal_forces,
@@ -477,20 +477,6 @@ fn cells_at(grid: &SurfaceGrid, region: &[bool]) -> Vec<(usize, usize)> {
     let all = (0..grid.along_profile.len() - 1).flat_map(|i| (0..columns - 1).map(move |k| (i, k)));
     all.filter(|&(i, k)| corner(i, k) || corner(i, k + 1) || corner(i + 1, k) || corner(i + 1, k + 1))
         .collect()
-}
-
-/// Nodes of a grid with `columns` lines along the track within so many lines of those in `nodes`.
-pub fn widened(nodes: &[bool], columns: usize, lines: usize) -> Vec<bool> {
-    let rows = nodes.len() / columns;
-    let mut wide = vec![false; nodes.len()];
-    for node in (0..nodes.len()).filter(|&node| nodes[node]) {
-        let (i, k) = (node / columns, node % columns);
-        for a in i.saturating_sub(lines)..=(i + lines).min(rows - 1) {
-            let line = &mut wide[a * columns..(a + 1) * columns];
-            line[k.saturating_sub(lines)..=(k + lines).min(columns - 1)].fill(true);
-        }
-    }
-    wide
 }
 
 #[cfg(test)]

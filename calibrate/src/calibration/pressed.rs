@@ -3,8 +3,8 @@
 use super::fine::FineContact;
 use super::nodal_motion::NodalMotion;
 use crate::contact::{
-    BodyCompliance, Compliance, ComplianceOperator, ContactPoint, HalfSpace, PairingLimits, PenaltySprings,
-    Problem, Side, Solution, Surface, nodal_forces, nodes_near, pair, resultant, total,
+    BeyondHalfSpace, BodyCompliance, Compliance, ComplianceOperator, ContactPoint, HalfSpace, PairingLimits,
+    PenaltySprings, Problem, Side, Solution, Surface, nodal_forces, nodes_near, pair, resultant, total,
 };
 use crate::solid::Material;
 use faer::Mat;
@@ -12,7 +12,7 @@ use nalgebra::{Unit, Vector2, Vector3};
 use railspring_profiles::error::{InputError, Result, StopReason};
 use railspring_profiles::field::InputField;
 use std::f64::consts::SQRT_2;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 /// How the contact conditions are enforced.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -136,6 +136,8 @@ pub struct WheelOnRail<'a> {
     pub materials: [Material; 2],
     /// Direction in world (y, z) along which the wheel is pressed and its hub is free; across it, the hub is held.
     pub along: Unit<Vector2<f64>>,
+    /// What rail and wheel are beyond their half-spaces. Left empty, it is that of bodies with these surfaces.
+    pub beyond: OnceLock<[Arc<BeyondHalfSpace>; 2]>,
 }
 
 /// Equilibrium under one load.
@@ -227,6 +229,16 @@ impl WheelOnRail<'_> {
     pub fn half_spaces(&self) -> [HalfSpace; 2] {
         let [rail, wheel] = &self.materials;
         [HalfSpace::new(rail, Side::Base), HalfSpace::new(wheel, Side::Opposing)]
+    }
+
+    /// What rail and wheel are beyond their half-spaces.
+    pub(super) fn beyond(&self) -> [&BeyondHalfSpace; 2] {
+        let [rail, wheel] = self.beyond.get_or_init(|| {
+            let [rail, wheel] = self.half_spaces();
+            [(&self.rail_surface, rail), (&self.wheel_surface, wheel)]
+                .map(|(surface, half_space)| Arc::new(BeyondHalfSpace::of_surface(surface, half_space)))
+        });
+        [rail, wheel]
     }
 
     /// Contact points with the hub displaced by `hub` from just touching.

@@ -2,8 +2,7 @@
 
 use super::point::{ALONG, ContactPoint, Side};
 use crate::superelement::add_columns;
-use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, Par};
+use faer::Mat;
 
 /// Linear elasticity as the contact sees it.
 pub trait Compliance {
@@ -52,8 +51,8 @@ impl NodalCompliance for Mat<f64> {
 
 /// A condensed body.
 pub struct BodyCompliance<'a> {
-    /// Its contact nodes.
-    pub compliance: &'a dyn NodalCompliance,
+    /// The compliance of its contact nodes, `3·node + axis`, m/N.
+    pub compliance: &'a Mat<f64>,
     /// Which body it is.
     pub side: Side,
 }
@@ -67,10 +66,17 @@ struct Rows {
 }
 
 impl Rows {
-    fn of(points: &[ContactPoint], side: Side, rows: impl Iterator<Item = usize>) -> Self {
+    /// Of the `rows` of points, by the places of the nodes.
+    fn of(
+        points: &[ContactPoint],
+        side: Side,
+        rows: impl Iterator<Item = usize>,
+        place: impl Fn(usize) -> usize,
+    ) -> Self {
         let (mut starts, mut weights) = (vec![0], Vec::new());
         for r in rows {
-            weights.extend(points[r % points.len()].row(side, r / points.len()).filter(|&(_, w)| w != 0.0));
+            let row = points[r % points.len()].row(side, r / points.len()).filter(|&(_, w)| w != 0.0);
+            weights.extend(row.map(|(dof, w)| (3 * place(dof / 3) + dof % 3, w)));
             starts.push(weights.len());
         }
         Self { starts, weights }
@@ -93,7 +99,7 @@ impl Rows {
 
     /// What the `used` coordinates move under the forces of the rows, a column for each of them: neighbours together, as they are in the `nodal`
     /// matrix, and not so many that what they have of it does not stay in the cache.
-    fn moved(&self, nodal: &Mat<f64>, factor: f64, used: &[usize]) -> Mat<f64> {
+    fn moved(&self, nodal: &Mat<f64>, used: &[usize]) -> Mat<f64> {
         let size = self.len();
         let mut moved = Mat::zeros(size, used.len());
         let mut together = vec![0.0; TOGETHER * size];
@@ -106,7 +112,7 @@ impl Rows {
             for of_one in 0..some.len() {
                 let values = values[of_one..].iter().step_by(some.len());
                 let column = moved.col_as_slice_mut(place + of_one).iter_mut();
-                column.zip(values).for_each(|(moved, value)| *moved = factor * value);
+                column.zip(values).for_each(|(moved, value)| *moved = *value);
             }
             place += some.len();
         }
@@ -123,81 +129,74 @@ fn places(used: &[usize], coordinates: usize) -> Vec<usize> {
 
 impl Compliance for BodyCompliance<'_> {
     fn add_to(&self, points: &[ContactPoint], matrix: &mut Mat<f64>) {
-        let (size, coordinates) = (matrix.nrows(), self.compliance.coordinates());
-        let Terms { matrix: nodal, factor, product } = self.compliance.terms();
-        let rows = Rows::of(points, self.side, 0..size);
-        let used = rows.touched(coordinates, size);
-        let moved = rows.moved(nodal, factor, &used);
-        let places = places(&used, coordinates);
-        if let Some(factors) = product {
-            let [a, b] = factors.map(|all| {
-                let mut of_rows = Mat::<f64>::zeros(size, all.ncols());
-                for c in 0..all.ncols() {
-                    let (values, of_rows) = (all.col_as_slice(c), of_rows.col_as_slice_mut(c));
-                    let of_row = |r: usize| rows.row(r).iter().map(|&(dof, w)| w * values[dof]).sum::<f64>();
-                    of_rows.iter_mut().enumerate().for_each(|(r, value)| *value = of_row(r));
-                }
-                of_rows
-            });
-            matmul(matrix.as_mut(), Accum::Add, a.as_ref(), b.transpose(), 1.0, Par::Seq);
-        }
-        for column in 0..size {
-            let by_place: Vec<(usize, f64)> =
-                rows.row(column).iter().map(|&(dof, w)| (places[dof], w)).collect();
-            let upper = &mut matrix.col_as_slice_mut(column)[..=column];
-            add_columns(&moved, 0..column + 1, &by_place, upper);
-        }
-        copy_upper(matrix);
+        let rows = Rows::of(points, self.side, 0..matrix.nrows(), |node| node);
+        add_values(self.compliance, &rows, matrix);
     }
 }
 
-impl BodyCompliance<'_> {
-    /// The compliance of points of a body that is its own mirror image along the track, by the values of half of them; `twins` are the points' mirror images. None of a
-    /// compliance that is a sum.
-    pub fn of_mirrored(
-        &self,
-        points: &[ContactPoint],
-        twins: &[usize],
-        directions: usize,
-    ) -> Option<Mat<f64>> {
-        let Terms { matrix: nodal, factor, product: None } = self.compliance.terms() else { return None };
-        let (n, coordinates) = (points.len(), self.compliance.coordinates());
-        let ahead: Vec<usize> = (0..n).filter(|&j| twins[j] <= j).collect();
-        let half = directions * ahead.len();
-        let row = |r: usize, of: &dyn Fn(usize) -> usize| r / ahead.len() * n + of(ahead[r % ahead.len()]);
-        let (of_ahead, of_twins): (Vec<usize>, Vec<usize>) =
-            (0..half).map(|r| (row(r, &|j| j), row(r, &|j| twins[j]))).unzip();
-        // those ahead, then their mirror images
-        let rows = Rows::of(points, self.side, of_ahead.iter().chain(&of_twins).copied());
-        let used = rows.touched(coordinates, half);
-        let moved = rows.moved(nodal, factor, &used);
-        let places = places(&used, coordinates);
-        let mut matrix = Mat::zeros(directions * n, directions * n);
-        let mut values = vec![0.0; 2 * half];
-        for a in 0..half {
-            let by_place: Vec<(usize, f64)> = rows.row(a).iter().map(|&(dof, w)| (places[dof], w)).collect();
-            let (with, across) = values.split_at_mut(half);
-            let (with, across) = (&mut with[..=a], &mut across[..=a]);
-            with.fill(0.0);
-            across.fill(0.0);
-            add_columns(&moved, 0..a + 1, &by_place, with);
-            add_columns(&moved, half..half + a + 1, &by_place, across);
-            let (column, image) = (of_ahead[a], of_twins[a]);
-            for b in 0..=a {
-                let sign = if (column / n == ALONG) == (of_ahead[b] / n == ALONG) { 1.0 } else { -1.0 };
-                let entries = [
-                    (of_ahead[b], column, with[b]),
-                    (of_twins[b], column, across[b]),
-                    (of_twins[b], image, sign * with[b]),
-                    (of_ahead[b], image, sign * across[b]),
-                ];
-                for (r, c, value) in entries {
-                    (matrix[(r, c)], matrix[(c, r)]) = (value, value);
-                }
+/// Adds what the rows have of a symmetric `nodal` matrix.
+fn add_values(nodal: &Mat<f64>, rows: &Rows, matrix: &mut Mat<f64>) {
+    let (size, coordinates) = (matrix.nrows(), nodal.nrows());
+    let used = rows.touched(coordinates, size);
+    let moved = rows.moved(nodal, &used);
+    let places = places(&used, coordinates);
+    for column in 0..size {
+        let by_place: Vec<(usize, f64)> = rows.row(column).iter().map(|&(dof, w)| (places[dof], w)).collect();
+        let upper = &mut matrix.col_as_slice_mut(column)[..=column];
+        add_columns(&moved, 0..column + 1, &by_place, upper);
+    }
+    copy_upper(matrix);
+}
+
+/// What `points` have of a symmetric nodal matrix in `directions` (1 or 3), `direction·points + point`. Its coordinates are `3·place + axis`, with the `place` of each node of a body
+/// among those that it has. Where it is its own mirror image along the track, half of the values are enough: `twins` are the mirror images of the points.
+pub fn at_points(
+    (nodal, place): (&Mat<f64>, impl Fn(usize) -> usize),
+    points: &[ContactPoint],
+    side: Side,
+    directions: usize,
+    twins: Option<&[usize]>,
+) -> Mat<f64> {
+    let n = points.len();
+    let mut matrix = Mat::zeros(directions * n, directions * n);
+    let Some(twins) = twins else {
+        add_values(nodal, &Rows::of(points, side, 0..directions * n, place), &mut matrix);
+        return matrix;
+    };
+    let ahead: Vec<usize> = (0..n).filter(|&j| twins[j] <= j).collect();
+    let half = directions * ahead.len();
+    let row = |r: usize, of: &dyn Fn(usize) -> usize| r / ahead.len() * n + of(ahead[r % ahead.len()]);
+    let (of_ahead, of_twins): (Vec<usize>, Vec<usize>) =
+        (0..half).map(|r| (row(r, &|j| j), row(r, &|j| twins[j]))).unzip();
+    // those ahead, then their mirror images
+    let rows = Rows::of(points, side, of_ahead.iter().chain(&of_twins).copied(), place);
+    let used = rows.touched(nodal.nrows(), half);
+    let moved = rows.moved(nodal, &used);
+    let places = places(&used, nodal.nrows());
+    let mut values = vec![0.0; 2 * half];
+    for a in 0..half {
+        let by_place: Vec<(usize, f64)> = rows.row(a).iter().map(|&(dof, w)| (places[dof], w)).collect();
+        let (with, across) = values.split_at_mut(half);
+        let (with, across) = (&mut with[..=a], &mut across[..=a]);
+        with.fill(0.0);
+        across.fill(0.0);
+        add_columns(&moved, 0..a + 1, &by_place, with);
+        add_columns(&moved, half..half + a + 1, &by_place, across);
+        let (column, image) = (of_ahead[a], of_twins[a]);
+        for b in 0..=a {
+            let sign = if (column / n == ALONG) == (of_ahead[b] / n == ALONG) { 1.0 } else { -1.0 };
+            let entries = [
+                (of_ahead[b], column, with[b]),
+                (of_twins[b], column, across[b]),
+                (of_twins[b], image, sign * with[b]),
+                (of_ahead[b], image, sign * across[b]),
+            ];
+            for (r, c, value) in entries {
+                (matrix[(r, c)], matrix[(c, r)]) = (value, value);
             }
         }
-        Some(matrix)
     }
+    matrix
 }
 
 /// Makes a matrix symmetric by the values above its diagonal, block by block, so that what is written stays in the cache.
@@ -239,37 +238,17 @@ mod tests {
     /// Nodes of the body.
     const NODES: usize = 60;
 
-    struct Body {
-        matrix: Mat<f64>,
-        factors: [Mat<f64>; 2],
-    }
-
-    impl NodalCompliance for Body {
-        fn coordinates(&self) -> usize {
-            self.factors[0].nrows()
-        }
-
-        fn terms(&self) -> Terms<'_> {
-            let [a, b] = &self.factors;
-            Terms { matrix: &self.matrix, factor: 0.8, product: Some([a, b]) }
-        }
-    }
-
-    /// Source: sums over all nodes and axes as they stand in the definition, W·(0.8·C + A·Bᵀ)·Wᵀ. Goal: the compliance of points in one and
-    /// in three directions, m/N, whose nodes leave gaps between each other, on either side, added to what is there already. Accuracy over the
+    /// Source: sums over all nodes and axes as they stand in the definition, W·C·Wᵀ. Goal: the compliance of points in one and
+    /// in three directions, m/N, whose nodes leave gaps between each other, on either side, added to what is there already; the same of a matrix whose nodes stand in another order. Accuracy over the
     /// largest value: ROUNDOFF of sums of a few thousand terms in another order.
     #[test]
     fn points_see_the_compliance_of_their_nodes() {
         const ROUNDOFF: f64 = 1e-13;
         let wave = |n: usize| (1.7 * n as f64 + 0.3).sin();
-        let (contact, coordinates) = (3 * NODES, 3 * NODES + 2);
-        let shapes = Mat::from_fn(coordinates, 5, |r, c| wave(3 * r + 7 * c));
-        let between = Mat::<f64>::from_fn(5, 5, |r, c| wave(r + c + r * c));
-        let body = Body {
-            matrix: Mat::from_fn(contact, contact, |r, c| wave(r + c) + wave(r * c)),
-            factors: [&shapes * &between, shapes],
-        };
-        let whole = &body.factors[0] * body.factors[1].transpose();
+        let contact = 3 * NODES;
+        let body = Mat::<f64>::from_fn(contact, contact, |r, c| wave(r + c) + wave(r * c));
+        let backwards = |row: usize| 3 * (NODES - 1 - row / 3) + row % 3;
+        let other = Mat::from_fn(contact, contact, |r, c| body[(backwards(r), backwards(c))]);
         let mut points = flat_grid((3, 4), 1e-3, |_, _| 0.0);
         let node = |n: usize| NodeWeight {
             node: n % NODES,
@@ -293,16 +272,18 @@ mod tests {
             };
             let exact = Mat::from_fn(size, size, |r, c| {
                 let (to, from) = (row(r), row(c));
-                let value = |i: usize, k: usize| 0.8 * body.matrix[(i, k)] + whole[(i, k)];
                 let sums =
-                    to.iter().map(|(i, u)| from.iter().map(|(k, v)| u * v * value(*i, *k)).sum::<f64>());
+                    to.iter().map(|(i, u)| from.iter().map(|(k, v)| u * v * body[(*i, *k)]).sum::<f64>());
                 2.0 + sums.sum::<f64>()
             });
             let mut found = Mat::from_fn(size, size, |_, _| 2.0);
             BodyCompliance { compliance: &body, side }.add_to(&points, &mut found);
+            let again = at_points((&other, |node| NODES - 1 - node), &points, side, directions, None);
             let largest = exact.col_iter().flat_map(|c| c.iter()).fold(0.0_f64, |m, v| m.max(v.abs()));
             for (r, c) in (0..size).flat_map(|r| (0..size).map(move |c| (r, c))) {
                 let off = (found[(r, c)] - exact[(r, c)]).abs();
+                assert!(off < ROUNDOFF * largest, "{side:?} {directions} {r} {c}: {off:e} of {largest:e}");
+                let off = (2.0 + again[(r, c)] - found[(r, c)]).abs();
                 assert!(off < ROUNDOFF * largest, "{side:?} {directions} {r} {c}: {off:e} of {largest:e}");
             }
         }
@@ -338,10 +319,9 @@ mod tests {
                 std::cmp::Ordering::Greater => {}
             }
         }
-        let body = BodyCompliance { compliance: &body, side: Side::Base };
         for directions in [1, 3] {
-            let exact = total(&[&body], &points, directions);
-            let found = body.of_mirrored(&points, &twins, directions).expect("one matrix");
+            let of = |twins| at_points((&body, |node| node), &points, Side::Base, directions, twins);
+            let (exact, found) = (of(None), of(Some(&*twins)));
             assert!((&found - &exact).norm_max() < ROUNDOFF * exact.norm_max(), "{directions}");
         }
     }

@@ -24,25 +24,39 @@ pub fn pair(base: &Surface, opposing: &Surface, limits: PairingLimits) -> Vec<Co
     Pairing::of(base, opposing, nearby)
 }
 
-/// Pairs the `wanted` nodes of the base surface (indices along profile and track), however far they are from the opposing
-/// one; those that do not face it are left out.
-pub fn pair_nodes(
-    base: &Surface,
-    opposing: &Surface,
-    wanted: impl Fn((usize, usize)) -> bool,
-) -> Vec<ContactPoint> {
-    Pairing::of(base, opposing, |_, _, node| wanted(node))
+/// Pairs the `wanted` nodes of the base surface, by their numbers on its grid, however far they are from the opposing
+/// one, as [`nodes_near`]. Those whose hats reach beyond the grid of that, or beyond their own, are at the edge; those beyond it face the nearest place on it, and are left out where no
+/// neighbour is on it.
+pub fn pair_nodes(base: &Surface, opposing: &Surface, wanted: &[bool]) -> Vec<ContactPoint> {
+    let columns = base.grid.along_track.len();
+    let rows = wanted.len() / columns;
+    let beside = |i: usize, k: usize| {
+        let lines = i.saturating_sub(1)..(i + 2).min(rows);
+        lines.flat_map(move |i| (k.saturating_sub(1)..(k + 2).min(columns)).map(move |k| i * columns + k))
+    };
+    let mut sought = vec![false; wanted.len()];
+    for node in (0..wanted.len()).filter(|&node| wanted[node]) {
+        beside(node / columns, node % columns).for_each(|node| sought[node] = true);
+    }
+    let mut on_grid = vec![false; wanted.len()];
+    let mut points = at_nodes(base, opposing, |pairing, line, (i, k)| {
+        let node = i * columns + k;
+        let (hit, is_on_grid) = if sought[node] { pairing.nearest_hit(line, (i, k))? } else { return None };
+        on_grid[node] = is_on_grid;
+        Some(hit)
+    });
+    points.retain_mut(|point| {
+        let (i, k) = point.index;
+        point.at_edge |= !beside(i, k).all(|node| on_grid[node]);
+        wanted[i * columns + k] && beside(i, k).any(|node| on_grid[node])
+    });
+    points
 }
 
 /// The nodes of the base surface that are nearer to the opposing one than the `limits`. Gap, normal and
 /// weights are those at the nodes, where [`pair`] takes means over their hats. That is enough to find nearby
 /// surfaces, for a tenth of the work.
 pub fn nodes_near(base: &Surface, opposing: &Surface, limits: PairingLimits) -> Vec<ContactPoint> {
-    let columns = base.grid.along_track.len();
-    let hit = |pairing: &Pairing, line: &Line, (i, k): (usize, usize)| {
-        let hit = pairing.hit(line, base.grid.along_track[k], pairing.facing[i]);
-        hit.filter(|hit| hit.projection.gap < limits.largest_gap)
-    };
     // no ray is shorter than the way to the nearest point, which at x = 0 is that of the line
     let mut far: Option<(usize, bool)> = None;
     let mut beyond = |pairing: &Pairing, line: &Line, i: usize| match far {
@@ -55,15 +69,27 @@ pub fn nodes_near(base: &Surface, opposing: &Surface, limits: PairingLimits) -> 
             beyond
         }
     };
+    at_nodes(base, opposing, |pairing, line, node| {
+        if beyond(pairing, line, node.0) {
+            return None;
+        }
+        pairing.hit_from(line, node).filter(|hit| hit.projection.gap < limits.largest_gap)
+    })
+}
+
+/// The nodes of the base surface for which there is a `hit` on the opposing one.
+fn at_nodes(
+    base: &Surface,
+    opposing: &Surface,
+    mut hit: impl FnMut(&Pairing, &Line, (usize, usize)) -> Option<Hit>,
+) -> Vec<ContactPoint> {
+    let columns = base.grid.along_track.len();
     let mut found = Vec::new();
     let pairing = Pairing::candidates(base, opposing, |pairing, line, node| {
-        if beyond(pairing, line, node.0) {
-            return false;
-        }
         let hit = hit(pairing, line, node);
-        let near = hit.is_some();
+        let is_hit = hit.is_some();
         found.extend(hit.map(|hit| (hit, line.normal)));
-        near
+        is_hit
     });
     let mut points = pairing.points;
     for (point, (hit, normal)) in points.iter_mut().zip(found) {
@@ -233,6 +259,24 @@ impl<'a> Pairing<'a> {
         let (a, u) = locate(&self.opposing.grid.along_profile, projection.along_profile)?;
         let (b, v) = locate(&self.opposing.grid.along_track, projection.along_track)?;
         Some(Hit { projection, cell: (a, b), local: (u, v) })
+    }
+
+    /// Where a node of the base, on its `line`, meets the opposing grid.
+    fn hit_from(&self, line: &Line, (i, k): (usize, usize)) -> Option<Hit> {
+        self.hit(line, self.base.grid.along_track[k], self.facing[i])
+    }
+
+    /// The same, or the nearest place on the opposing grid, and whether it is on it.
+    fn nearest_hit(&self, line: &Line, (i, k): (usize, usize)) -> Option<(Hit, bool)> {
+        let projection = self.project(line, self.base.grid.along_track[k], self.facing[i])?;
+        let grid = self.opposing.grid;
+        let on = |axis: &[f64], at: f64| {
+            let within = at.clamp(axis[0], axis[axis.len() - 1]);
+            locate(axis, within).map(|place| (place, locate(axis, at).is_some()))
+        };
+        let ((a, u), along_profile) = on(&grid.along_profile, projection.along_profile)?;
+        let ((b, v), along_track) = on(&grid.along_track, projection.along_track)?;
+        Some((Hit { projection, cell: (a, b), local: (u, v) }, along_profile && along_track))
     }
 
     /// Adds what an integration point of the cell `(i, k)` gives to the candidates at its corners. Its weight is the

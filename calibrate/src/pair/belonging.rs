@@ -22,7 +22,7 @@ impl Pair {
     pub fn contact_body<'a>(&self, body: PairBody, condensed: &'a CondensedBody) -> Result<ContactBody<'a>> {
         self.check_body(body, condensed)?;
         let CondensedBody { compliance, grid, surface, .. } = condensed;
-        Ok(ContactBody { compliance, grid, material: *surface, mirrored: false })
+        Ok(ContactBody { compliance, grid, material: *surface, mirrored: false, beyond: None })
     }
 
     /// Checks that a condensed body is one of this pair: its contact nodes lie on the running surface, a rail's shear centre is where this

@@ -7,6 +7,7 @@ use crate::calibration::{
     Bodies, ContactField, DOWNWARDS, Enforcement, HorizontalCalibration, NormalCalibration, Patch, Pressed,
     Reference, WheelOnRail, calibrate_horizontal, calibrate_normal, press_carried,
 };
+use crate::contact::{BeyondHalfSpace, HalfSpace, Side};
 use crate::law::LEAST_LOADS;
 use crate::mesh::SurfaceGrid;
 use crate::solid::{Formulation, Material, Materials};
@@ -15,8 +16,8 @@ use faer::Mat;
 use railspring_profiles::error::{Error, InputError, Result, unless_interrupted};
 use railspring_profiles::monitor::Monitor;
 use rayon::prelude::*;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, OnceLock};
 
 /// How wheel and rail meet.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,6 +41,8 @@ pub struct ContactBody<'a> {
     pub material: Material,
     /// Whether the compliance is its own mirror image along the track.
     pub mirrored: bool,
+    /// What the body is beyond its half-space; made of the surface that it is pressed with where it is not there.
+    pub beyond: Option<&'a Arc<BeyondHalfSpace>>,
 }
 
 impl Pair {
@@ -63,6 +66,10 @@ impl Pair {
             field,
             materials: [rail.material, wheel.material],
             along: DOWNWARDS,
+            beyond: match (rail.beyond, wheel.beyond) {
+                (Some(rail), Some(wheel)) => OnceLock::from([rail, wheel].map(Arc::clone)),
+                _ => OnceLock::new(),
+            },
         }
     }
 
@@ -84,6 +91,7 @@ impl Pair {
             field,
             materials,
             along: DOWNWARDS,
+            beyond: OnceLock::new(),
         }
     }
 }
@@ -103,6 +111,24 @@ pub struct CondensedPair {
     against_section: Arc<Mat<f64>>,
     /// Which of the bodies are their own mirror images along the track.
     mirrored: Mirrored,
+    /// What they are beyond their half-spaces.
+    beyond: Beyond,
+}
+
+/// What the bodies of a pair are beyond their half-spaces.
+#[derive(Clone)]
+struct Beyond {
+    wheel: Arc<BeyondHalfSpace>,
+    /// The rail against its section.
+    on_section: Arc<BeyondHalfSpace>,
+    on_foot: Option<Arc<BeyondHalfSpace>>,
+}
+
+impl Beyond {
+    fn of(body: &CondensedBody, side: Side) -> Arc<BeyondHalfSpace> {
+        let half_space = HalfSpace::new(&body.surface, side);
+        Arc::new(BeyondHalfSpace::of_nodes(&body.grid, &body.nodes, side == Side::Opposing, half_space))
+    }
 }
 
 /// Which bodies of a pair are their own mirror images along the track.
@@ -206,7 +232,12 @@ impl CondensedPair {
             on_section: is_mirrored(&against_section, &rail_on_ends.grid),
             on_foot: rail_on_foot.as_ref().is_some_and(|rail| is_mirrored(&rail.compliance, &rail.grid)),
         };
-        Ok(Self { wheel, rail_on_ends, rail_on_foot, section, against_section, mirrored })
+        let beyond = Beyond {
+            wheel: Beyond::of(&wheel, Side::Opposing),
+            on_section: Beyond::of(&rail_on_ends, Side::Base),
+            on_foot: rail_on_foot.as_ref().map(|rail| Beyond::of(rail, Side::Base)),
+        };
+        Ok(Self { wheel, rail_on_ends, rail_on_foot, section, against_section, mirrored, beyond })
     }
 
     /// Other bodies in the place of these, which are their own mirror images as these are: the same matrices under other grids, or those between two wheels.
@@ -218,12 +249,14 @@ impl CondensedPair {
     ) -> Self {
         let section = rail_on_ends.section.clone().unwrap_or_else(|| self.section.clone());
         let against_section = Arc::clone(&self.against_section);
-        Self { wheel, rail_on_ends, rail_on_foot, section, against_section, mirrored: self.mirrored }
+        let (mirrored, beyond) = (self.mirrored, self.beyond.clone());
+        Self { wheel, rail_on_ends, rail_on_foot, section, against_section, mirrored, beyond }
     }
 
-    /// The same where the wheel is partly that of another pair.
+    /// The same where the wheel, whose compliance is another one then, is partly that of another pair.
     pub(super) fn with_part_of(mut self, other: &Self) -> Self {
         self.mirrored.wheel &= other.mirrored.wheel;
+        self.beyond.wheel = Beyond::of(&self.wheel, Side::Opposing);
         self
     }
 
@@ -346,12 +379,14 @@ impl CondensedPair {
     pub(crate) fn of_pair(&self, pair: &Pair, reference: Reference) -> Result<[ContactBody<'_>; 2]> {
         let body = self.rail(reference)?;
         let Mirrored { wheel, on_section, on_foot } = self.mirrored;
-        let (held, compliance, mirrored) = match reference {
-            Reference::Foot => (PairBody::RailOnFoot, &body.compliance, on_foot),
-            _ => (PairBody::RailOnEnds, &self.against_section, on_section),
+        let of = &self.beyond;
+        let (held, compliance, mirrored, beyond) = match reference {
+            Reference::Foot => (PairBody::RailOnFoot, &body.compliance, on_foot, of.on_foot.as_ref()),
+            _ => (PairBody::RailOnEnds, &self.against_section, on_section, Some(&of.on_section)),
         };
-        let rail = ContactBody { compliance, mirrored, ..pair.contact_body(held, body)? };
-        Ok([rail, ContactBody { mirrored: wheel, ..pair.contact_body(PairBody::Wheel, &self.wheel)? }])
+        let rail = ContactBody { compliance, mirrored, beyond, ..pair.contact_body(held, body)? };
+        let on_wheel = pair.contact_body(PairBody::Wheel, &self.wheel)?;
+        Ok([rail, ContactBody { mirrored: wheel, beyond: Some(&of.wheel), ..on_wheel }])
     }
 }
 

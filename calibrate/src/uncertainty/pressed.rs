@@ -4,12 +4,14 @@ use super::departure::Departure;
 use crate::calibration::{
     LoadPoint, Pressed, Reference, calibrate_horizontal, load_points, press_loads_apart,
 };
+use crate::contact::{BeyondHalfSpace, HalfSpace, Side};
 use crate::pair::{CondensedPair, ContactBody, ContactConditions, Pair};
 use crate::solid::Material;
 use faer::{Mat, Scale};
 use railspring_profiles::error::Result;
 use railspring_profiles::monitor::Silent;
 use railspring_profiles::placement::TrackGeometry;
+use std::sync::Arc;
 
 /// How the pair is asked.
 #[derive(Debug, Clone, Copy)]
@@ -82,14 +84,25 @@ impl<'a> UncertainPair<'a> {
         let [on_rail, on_wheel] = self.bodies.of_pair(&pair, reference)?;
         let stiffer_rail = of(on_rail.compliance, departure.rail_young);
         let stiffer_wheel = of(on_wheel.compliance, departure.wheel_young);
+        let of_rail = material(on_rail.material, departure.rail_young);
+        let of_wheel = material(on_wheel.material, departure.wheel_young);
+        let beyond = |body: &ContactBody, material: Material, side| {
+            let other =
+                |beyond: &Arc<BeyondHalfSpace>| Arc::new(beyond.with(HalfSpace::new(&material, side)));
+            if material == body.material { body.beyond.cloned() } else { body.beyond.map(other) }
+        };
+        let beyond_rail = beyond(&on_rail, of_rail, Side::Base);
+        let beyond_wheel = beyond(&on_wheel, of_wheel, Side::Opposing);
         let rail = ContactBody {
             compliance: stiffer_rail.as_ref().unwrap_or(on_rail.compliance),
-            material: material(on_rail.material, departure.rail_young),
+            material: of_rail,
+            beyond: beyond_rail.as_ref(),
             ..on_rail
         };
         let wheel = ContactBody {
             compliance: stiffer_wheel.as_ref().unwrap_or(on_wheel.compliance),
-            material: material(on_wheel.material, departure.wheel_young),
+            material: of_wheel,
+            beyond: beyond_wheel.as_ref(),
             ..on_wheel
         };
         let rubbing = ContactConditions { friction: contact.friction + departure.friction, ..contact };

@@ -14,14 +14,14 @@ use crate::time::newmark::Newmark;
 use crate::time::scenario::Scenario;
 use nalgebra::{Point2, Vector2};
 use railspring_calibrate::calibration::{
-    Displaced, FineContact, Placed, Places, Solids, Zone, carry_over, cell_for, distance, too_coarse,
-    touches_border, widened, widths,
+    Displaced, FineContact, Placed, Places, SolidBody, Solids, Zone, carry_over, cell_for, distance,
+    too_coarse, touches_border, widened, widths,
 };
 use railspring_calibrate::contact::{
-    ContactPoint, Factors, HalfSpace, Lattice, Problem, Side, Surface, solve, solve_with,
+    BeyondHalfSpace, ContactPoint, Factors, HalfSpace, Lattice, Problem, Side, Surface, solve, solve_with,
 };
 use railspring_profiles::error::{Error, NumericsError, Result, StopReason};
-use std::cell::RefCell;
+use std::cell::{OnceCell, RefCell};
 use std::sync::Arc;
 
 /// Points whose gap without contact forces in this step exceeds this cannot come to carry load, m.
@@ -79,6 +79,8 @@ pub(super) struct StepContact<'m> {
     time_step: f64,
     /// Half-spaces of both bodies in a step: stiffer than at rest by what the damping adds.
     half_spaces: [HalfSpace; 2],
+    /// What the matrices of the flexibilities of both bodies are beyond half-spaces; all steps of one length have the same.
+    beyond: OnceCell<[BeyondHalfSpace; 2]>,
     /// What a damped near field keeps of its displacement and of its velocity (s).
     kept: [f64; 2],
     /// The fine grid of the last contact, and where its far field was made.
@@ -103,6 +105,7 @@ impl<'m> StepContact<'m> {
             friction: scenario.friction,
             time_step: scheme.step(),
             half_spaces,
+            beyond: OnceCell::new(),
             kept,
             made: RefCell::default(),
             factors: RefCell::default(),
@@ -287,6 +290,18 @@ impl<'m> StepContact<'m> {
         Err(failure(moved, active, StopReason::IterationLimit))
     }
 
+    /// What the matrices of both flexibilities are beyond half-spaces: softer by their factors, these are those of the step.
+    fn beyond(&self, bodies: [&Interface; 2]) -> &[BeyondHalfSpace; 2] {
+        self.beyond.get_or_init(|| {
+            std::array::from_fn(|n| {
+                let half_space = self.half_spaces[n];
+                let shear_modulus = half_space.shear_modulus * bodies[n].flexibility.terms().factor;
+                let half_space = HalfSpace { shear_modulus, ..half_space };
+                BeyondHalfSpace::of_surface(self.surfaces_at_rest()[n], half_space)
+            })
+        })
+    }
+
     /// The contact of the bodies in their places, on a fine grid around the nodes `near` of the rail's; `None` where a coarser
     /// grid is enough.
     fn solve_at(
@@ -304,8 +319,12 @@ impl<'m> StepContact<'m> {
             return Ok(Some(LastContact::open(known)));
         }
         let directions = self.directions();
+        let [of_rail, of_wheel] = self.beyond([rail, wheel]);
         let solids = Solids {
-            bodies: Some([rail.flexibility, wheel.flexibility]),
+            bodies: Some([
+                SolidBody { compliance: rail.flexibility, beyond: of_rail },
+                SolidBody { compliance: wheel.flexibility, beyond: of_wheel },
+            ]),
             rail_surface: placed.surfaces[0].clone(),
             wheel_surface: placed.surfaces[1].clone(),
             half_spaces: self.half_spaces,

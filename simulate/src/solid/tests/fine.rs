@@ -6,6 +6,7 @@ use railspring_calibrate::analytic::hertz::point_contact;
 use railspring_calibrate::calibration::{Bodies, DOWNWARDS, Pressed, WheelOnRail};
 use railspring_calibrate::contact::{Side, resultant};
 use railspring_profiles::quadrature::gauss_2_on;
+use std::sync::OnceLock;
 
 /// Radius of the rail's crown and of the wheel, m: together a sphere on a plane.
 const RADIUS: f64 = 0.46;
@@ -129,6 +130,7 @@ impl Crowned {
             enforcement: Enforcement::Exact,
             field: ContactField::Hybrid,
             materials: [Material::STEEL; 2],
+            beyond: OnceLock::new(),
         };
         let mut states: Vec<Pressed> = Vec::new();
         for &load in loads {
