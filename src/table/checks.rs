@@ -5,7 +5,7 @@ use railspring_profiles::error::{Error, Result};
 use rayon::prelude::*;
 
 use super::carried::{checking, is_checked};
-use super::making::CaseWork;
+use super::making::{CaseWork, Ready};
 use super::shared::wanted_on_standards;
 
 impl CaseWork<'_> {
@@ -25,6 +25,9 @@ impl CaseWork<'_> {
         if missing.is_empty() {
             return Ok(());
         }
+        // its rail is mostly that of the others, which is in memory then
+        let nominal = self.nominal();
+        let case = CaseWork { beside: nominal.as_deref().map(Ready::bodies), ..case };
         match case.ready() {
             Ok(ready) => missing.par_iter().try_for_each(|shift| case.place(&ready, *shift).map(drop)),
             Err(Error::Interrupted) => Err(Error::Interrupted),

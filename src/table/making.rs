@@ -159,6 +159,8 @@ pub(super) struct CaseWork<'a> {
     pub store: &'a Store,
     /// Bodies that cases have in common.
     pub nominals: &'a Common<Ready>,
+    /// Bodies whose rail serves again where it is that of the case.
+    pub beside: Option<&'a CondensedPair>,
     /// Whether the store gets neither rail nor wheel of this case, though it is pressed on its own ones.
     pub lets_go: [bool; 2],
     pub resources: Resources<'a>,
@@ -208,6 +210,12 @@ impl CaseWork<'_> {
             Err(Error::Input(_)) if sharing.nominals.len() > 1 => self.own(),
             Err(other) => Err(other),
         }
+    }
+
+    /// The case of its nominal profiles on its condensed bodies, if another case has had them made.
+    pub fn nominal(&self) -> Option<Arc<Ready>> {
+        let sharing = Sharing::of(self.study, self.settings.bodies).ok().flatten()?;
+        self.nominals.known(&key(&sharing.nominals.first()?.statics()))
     }
 
     /// The case on ready bodies of its nominal profiles; on its own where these do not carry it.
@@ -485,6 +493,7 @@ impl CaseWork<'_> {
             store: Some(self.store),
             keeps: self.keeps(),
             fresh: false,
+            beside: self.beside,
             foot_held: self.study.calibration.foot_held,
             // the nominal bodies take memory beside these
             together: room.condensing && self.keeps_bodies(),
@@ -525,6 +534,11 @@ impl Ready {
         let measured = MeasuredRecord::of(statics, geometry).map(Arc::new);
         let bodies = measured.is_some().then_some(BodiesRecord::OWN);
         Self { room, on_bodies, measured, bodies }
+    }
+
+    /// Its condensed bodies.
+    pub fn bodies(&self) -> &CondensedPair {
+        &self.on_bodies.bodies
     }
 
     /// What there is room for at the same time.

@@ -392,6 +392,7 @@ impl Making<'_, '_> {
             settings: Settings::of(&table.document),
             store,
             nominals,
+            beside: None,
             lets_go: [false; 2],
             resources: Resources { monitor: self.monitor, ..*resources },
             said: resources.monitor,

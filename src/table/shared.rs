@@ -25,6 +25,11 @@ impl<T> Default for Common<T> {
 }
 
 impl<T> Common<T> {
+    /// What has a key, if it has been made.
+    pub fn known(&self, key: &str) -> Option<Arc<T>> {
+        self.made.lock().unwrap_or_else(PoisonError::into_inner).get(key).map(Arc::clone)
+    }
+
     /// What has a key; `make` makes it where there is none yet. It is asked by one case at a time.
     pub fn get(&self, key: String, make: impl FnOnce() -> Result<T>) -> Result<Arc<T>> {
         let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);

@@ -215,7 +215,16 @@ impl Work {
         let (nominals, said) = (&Common::default(), resources.monitor);
         let cases: Vec<CaseWork<'_>> = studies
             .iter()
-            .map(|study| CaseWork { study, settings, store, nominals, lets_go: [false; 2], resources, said })
+            .map(|study| CaseWork {
+                study,
+                settings,
+                store,
+                nominals,
+                beside: None,
+                lets_go: [false; 2],
+                resources,
+                said,
+            })
             .collect();
         let answer = match &self.step {
             Step::Prepare => first_of(&cases, prepared)?,

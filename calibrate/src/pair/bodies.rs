@@ -240,6 +240,18 @@ impl CondensedPair {
         Ok(Self { wheel, rail_on_ends, rail_on_foot, section, against_section, mirrored, beyond })
     }
 
+    /// Another wheel on the same rail.
+    #[must_use]
+    pub fn with_wheel(&self, wheel: CondensedBody) -> Self {
+        let is_mirrored = is_mirrored(&wheel.compliance, &wheel.grid);
+        Self {
+            mirrored: Mirrored { wheel: is_mirrored, ..self.mirrored },
+            beyond: Beyond { wheel: Beyond::of(&wheel, Side::Opposing), ..self.beyond.clone() },
+            wheel,
+            ..self.clone()
+        }
+    }
+
     /// Other bodies in the place of these, which are their own mirror images as these are: the same matrices under other grids, or those between two wheels.
     pub(super) fn with_bodies(
         &self,

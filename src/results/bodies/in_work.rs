@@ -75,6 +75,7 @@ impl<'a> Solids<'a> {
     pub fn body_source(&self) -> BodySource<'a> {
         let statics = self.input.statics;
         BodySource {
+            beside: None,
             store: self.store,
             keeps: [true; 2],
             fresh: self.fresh,

@@ -25,6 +25,8 @@ pub(crate) struct BodySource<'a> {
     pub keeps: [bool; 2],
     /// Whether all are condensed anew.
     pub fresh: bool,
+    /// A pair whose rail serves again where it is the same one.
+    pub beside: Option<&'a CondensedPair>,
     /// Whether the rail is pressed on its foot as well.
     pub foot_held: bool,
     /// Whether there is room for the factors of all of them at the same time.
@@ -82,10 +84,21 @@ impl BodySource<'_> {
     ) -> Result<CondensedPair> {
         self.with_notices(which, |say| {
             let get = |body| self.body(solids, body, modes(body), &|text| say(body, text));
+            let rail_is_still = modes(PairBody::RailOnEnds) == 0;
+            if let Some(pair) = self.beside.filter(|pair| rail_is_still && self.has_rail(pair, solids)) {
+                return get(PairBody::Wheel).map(|wheel| pair.with_wheel(wheel));
+            }
             let said = (&*format!("superelements{which}"), self.monitor);
             let bodies = condense_all(said, PairBody::of_pair(self.foot_held), self.together, get)?;
             CondensedPair::new(bodies)
         })
+    }
+
+    /// Whether a pair has the rail of `solids`, held in the same ways.
+    fn has_rail(&self, pair: &CondensedPair, solids: &PairSolids<'_>) -> bool {
+        let on_foot = self.foot_held.then(|| solids.key(PairBody::RailOnFoot));
+        pair.rail_on_ends.key == solids.key(PairBody::RailOnEnds)
+            && pair.rail_on_foot.as_ref().map(|rail| &rail.key) == on_foot.as_ref()
     }
 
     /// The bodies of coarser meshes, which error bands are from, the wheel with `modes` modes.
