@@ -27,7 +27,7 @@ pub struct Solids<'a> {
 pub struct SolidBody<'a> {
     /// Compliance of its contact nodes.
     pub compliance: &'a dyn NodalCompliance,
-    /// What the matrix of that compliance is beyond a half-space, by which the factor of the matrix makes that of the solids.
+    /// The far field of the matrix of that compliance. The factor of the matrix multiplies its half-space, too.
     pub beyond: &'a BeyondHalfSpace,
 }
 
@@ -51,8 +51,8 @@ impl SolidBody<'_> {
     }
 }
 
-/// Both bodies less their half-spaces at nodes of the rail's contact grid, in the function space of these nodes. It is
-/// smooth, and is interpolated between them.
+/// The far fields of both bodies, interpolated from the nodes of their contact grids to nodes of the rail's. It is
+/// smooth, and is interpolated between these.
 ///
 /// The wheel's mesh slides by some tenths of a millimetre past the rail's as the load grows; a smooth field hardly
 /// changes by that, so one far field serves a sequence of loads ([`FAR_SLIDE`]).

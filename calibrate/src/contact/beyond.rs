@@ -1,4 +1,4 @@
-//! What a condensed body is beyond its half-space, at the nodes of its own contact grid.
+//! The far field of a condensed body at the nodes of its contact grid: its compliance less that of a half-space.
 //!
 //! The means of its compliance over the hats of two nodes, less those of its half-space, are smooth. They are interpolated between nodes, and belong to the body: whatever lies
 //! on it, and where, they stay the same. They are made by pairs of lines of the grid, when these are asked for, and kept.
@@ -20,7 +20,7 @@ use std::sync::OnceLock;
 /// both is an error there.
 const UNRESOLVED: usize = 2;
 
-/// What a body is beyond its half-space. Where its compliance changes by a factor, it serves on, as long as that of the half-space does.
+/// The far field of a body. Where its compliance changes by a factor, it serves on, as long as that of the half-space does.
 #[derive(Debug)]
 pub struct BeyondHalfSpace {
     half_space: HalfSpace,
