@@ -14,7 +14,7 @@ mod patch;
 mod rim;
 mod press;
 
-pub use far_field::{SolidBody, Solids, widened};
+pub use far_field::{SolidBody, Solids};
 pub use fine::{Displaced, FineContact};
 pub use grid::{cell_for, too_coarse, touches_border, widths};
 pub use patch::{Patch, PatchBand, PatchValues, PeakBand};

@@ -102,5 +102,5 @@ pub use rigid_motion::RigidMotion;
 pub use solver::{FreeDirection, HubResponse, PointMode, Problem, Solution, hub_response, solve};
 pub use solver::{hub_response_with, response_to, solve_held, solve_to, solve_with};
 pub use subsurface::{Hat, Peak, Subsurface, hats, stress_below, subsurface};
-pub use surface::corners;
 pub use surface::{BetweenNodes, Shape, Surface};
+pub use surface::{corners, widened};

@@ -1,10 +1,10 @@
 //! Where contact is sought while a load settles: the nodes of the rail's mesh, or the points of a fine grid.
 
-use super::far_field::{SolidBody, Solids, widened};
+use super::far_field::{SolidBody, Solids};
 use super::fine::{Displaced, FineContact, points_around};
 use super::grid::{cell_for, first_forces, rim_gap, too_coarse, touches_border, widths};
 use super::pressed::{Bodies, Elasticity, Pressed, WheelOnRail, carry_over};
-use crate::contact::{ContactPoint, Lattice};
+use crate::contact::{ContactPoint, Lattice, widened};
 use nalgebra::Vector2;
 
 /// Rigid gap within which points are candidates while nothing is known of the elastic displacements, m.

@@ -45,9 +45,7 @@ impl SolidBody<'_> {
         nodes.sort_unstable();
         nodes.dedup();
         let between = self.beyond.between(&self.compliance.terms(), &nodes);
-        let mut places = vec![0; nodes.last().map_or(0, |last| last + 1)];
-        nodes.iter().enumerate().for_each(|(place, &node)| places[node] = place);
-        at_points((&between, |node: usize| places[node]), points, side, directions, twins)
+        at_points((&between, &nodes), points, side, directions, twins)
     }
 }
 
@@ -166,20 +164,6 @@ impl FarField {
         let body = if side == Side::Base { rail } else { wheel };
         times(body, forces).iter().zip(forces).map(|(u, f)| u * f).sum()
     }
-}
-
-/// Nodes of a grid with `columns` lines along the track within so many lines of those in `nodes`.
-pub fn widened(nodes: &[bool], columns: usize, lines: usize) -> Vec<bool> {
-    let rows = nodes.len() / columns;
-    let mut wide = vec![false; nodes.len()];
-    for node in (0..nodes.len()).filter(|&node| nodes[node]) {
-        let (i, k) = (node / columns, node % columns);
-        for a in i.saturating_sub(lines)..=(i + lines).min(rows - 1) {
-            let line = &mut wide[a * columns..(a + 1) * columns];
-            line[k.saturating_sub(lines)..=(k + lines).min(columns - 1)].fill(true);
-        }
-    }
-    wide
 }
 
 /// The mirror images of points along the track, on a grid with so many lines along it; `slot` has the point at each node.

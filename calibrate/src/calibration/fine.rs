@@ -1,9 +1,9 @@
 //! Contact of two condensed bodies on a fine grid that follows the patch.
 
-use super::far_field::{FarField, Solids, widened};
+use super::far_field::{FarField, Solids};
 use crate::contact::{
     ComplianceOperator, ContactPoint, HalfSpace, Hybrid, Lattice, NearField, Share, Shares, Side, corners,
-    nodal_forces,
+    nodal_forces, widened,
 };
 use crate::mesh::SurfaceGrid;
 use nalgebra::{Point2, Vector2};

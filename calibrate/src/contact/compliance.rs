@@ -120,7 +120,7 @@ impl Rows {
     }
 }
 
-/// Where each of so many coordinates stands among those that are `used`.
+/// Where each of so many coordinates, or nodes, stands among those that are `used`.
 fn places(used: &[usize], coordinates: usize) -> Vec<usize> {
     let mut places = vec![0; coordinates];
     used.iter().enumerate().for_each(|(place, &dof)| places[dof] = place);
@@ -148,16 +148,18 @@ fn add_values(nodal: &Mat<f64>, rows: &Rows, matrix: &mut Mat<f64>) {
     copy_upper(matrix);
 }
 
-/// What `points` have of a symmetric nodal matrix in `directions` (1 or 3), `direction·points + point`. Its coordinates are `3·place + axis`, with the `place` of each node of a body
-/// among those that it has. Where it is its own mirror image along the track, half of the values are enough: `twins` are the mirror images of the points.
+/// What `points` have of a symmetric nodal matrix in `directions` (1 or 3), `direction·points + point`. Its coordinates are `3·place + axis`, with the places of the `nodes` of a body
+/// that it has. Where it is its own mirror image along the track, half of the values are enough: `twins` are the mirror images of the points.
 pub fn at_points(
-    (nodal, place): (&Mat<f64>, impl Fn(usize) -> usize),
+    (nodal, nodes): (&Mat<f64>, &[usize]),
     points: &[ContactPoint],
     side: Side,
     directions: usize,
     twins: Option<&[usize]>,
 ) -> Mat<f64> {
     let n = points.len();
+    let of_nodes = places(nodes, nodes.iter().max().map_or(0, |last| last + 1));
+    let place = |node: usize| of_nodes[node];
     let mut matrix = Mat::zeros(directions * n, directions * n);
     let Some(twins) = twins else {
         add_values(nodal, &Rows::of(points, side, 0..directions * n, place), &mut matrix);
@@ -248,6 +250,7 @@ mod tests {
         let contact = 3 * NODES;
         let body = Mat::<f64>::from_fn(contact, contact, |r, c| wave(r + c) + wave(r * c));
         let backwards = |row: usize| 3 * (NODES - 1 - row / 3) + row % 3;
+        let reversed: Vec<usize> = (0..NODES).rev().collect();
         let other = Mat::from_fn(contact, contact, |r, c| body[(backwards(r), backwards(c))]);
         let mut points = flat_grid((3, 4), 1e-3, |_, _| 0.0);
         let node = |n: usize| NodeWeight {
@@ -278,7 +281,7 @@ mod tests {
             });
             let mut found = Mat::from_fn(size, size, |_, _| 2.0);
             BodyCompliance { compliance: &body, side }.add_to(&points, &mut found);
-            let again = at_points((&other, |node| NODES - 1 - node), &points, side, directions, None);
+            let again = at_points((&other, &reversed), &points, side, directions, None);
             let largest = exact.col_iter().flat_map(|c| c.iter()).fold(0.0_f64, |m, v| m.max(v.abs()));
             for (r, c) in (0..size).flat_map(|r| (0..size).map(move |c| (r, c))) {
                 let off = (found[(r, c)] - exact[(r, c)]).abs();
@@ -320,7 +323,8 @@ mod tests {
             }
         }
         for directions in [1, 3] {
-            let of = |twins| at_points((&body, |node| node), &points, Side::Base, directions, twins);
+            let nodes: Vec<usize> = (0..lines * columns).collect();
+            let of = |twins| at_points((&body, &nodes), &points, Side::Base, directions, twins);
             let (exact, found) = (of(None), of(Some(&*twins)));
             assert!((&found - &exact).norm_max() < ROUNDOFF * exact.norm_max(), "{directions}");
         }

@@ -63,6 +63,13 @@ impl HalfSpace {
             },
         }
     }
+
+    /// Means over a hat of displacements (rows: normal, lateral, along the track) under unit forces over another (columns), by the offset from the second to the first and
+    /// the widths of both, m; m/N.
+    pub(super) fn means(&self, apart: &Vector2<f64>, widths: &[Vector2<f64>; 2]) -> Matrix3<f64> {
+        let (means, factors) = (means_at(apart, widths), self.factors());
+        Matrix3::from_fn(|to, from| factors.entry(&means, to, from))
+    }
 }
 
 /// What the kernels of one or several half-spaces are multiplied by, m²/N.
@@ -157,15 +164,6 @@ fn known_means(d: &Vector2<f64>, a: &Vector2<f64>, b: &Vector2<f64>) -> Kernels 
             means(&Vector2::new(dx, dy), &Vector2::new(ax, ay), &Vector2::new(bx, by))
         })
     })
-}
-
-impl HalfSpace {
-    /// Means over a hat of displacements (rows: normal, lateral, along the track) under unit forces over another (columns), by the offset from the second to the first and
-    /// the widths of both, m; m/N.
-    pub(super) fn means(&self, apart: &Vector2<f64>, widths: &[Vector2<f64>; 2]) -> Matrix3<f64> {
-        let (means, factors) = (means_at(apart, widths), self.factors());
-        Matrix3::from_fn(|to, from| factors.entry(&means, to, from))
-    }
 }
 
 /// The known means with the signs of the offset.

@@ -2,7 +2,7 @@
 //! intersections of the cells of both surfaces.
 
 use super::point::{ContactPoint, NodeWeight};
-use super::surface::{Projection, Surface, corners};
+use super::surface::{Projection, Surface, corners, widened};
 use nalgebra::{Point2, Vector2};
 use railspring_profiles::quadrature::gauss_2_on;
 use railspring_profiles::root::regula_falsi;
@@ -34,10 +34,7 @@ pub fn pair_nodes(base: &Surface, opposing: &Surface, wanted: &[bool]) -> Vec<Co
         let lines = i.saturating_sub(1)..(i + 2).min(rows);
         lines.flat_map(move |i| (k.saturating_sub(1)..(k + 2).min(columns)).map(move |k| i * columns + k))
     };
-    let mut sought = vec![false; wanted.len()];
-    for node in (0..wanted.len()).filter(|&node| wanted[node]) {
-        beside(node / columns, node % columns).for_each(|node| sought[node] = true);
-    }
+    let sought = widened(wanted, columns, 1);
     let mut on_grid = vec![false; wanted.len()];
     let mut points = at_nodes(base, opposing, |pairing, line, (i, k)| {
         let node = i * columns + k;

@@ -61,6 +61,20 @@ pub fn corners(u: f64, v: f64) -> [(usize, usize, f64); 4] {
     [(0, 0, (1.0 - u) * (1.0 - v)), (0, 1, (1.0 - u) * v), (1, 0, u * (1.0 - v)), (1, 1, u * v)]
 }
 
+/// Nodes of a grid with `columns` lines along the track within so many lines of those in `nodes`.
+pub fn widened(nodes: &[bool], columns: usize, lines: usize) -> Vec<bool> {
+    let rows = nodes.len() / columns;
+    let mut wide = vec![false; nodes.len()];
+    for node in (0..nodes.len()).filter(|&node| nodes[node]) {
+        let (i, k) = (node / columns, node % columns);
+        for a in i.saturating_sub(lines)..=(i + lines).min(rows - 1) {
+            let line = &mut wide[a * columns..(a + 1) * columns];
+            line[k.saturating_sub(lines)..=(k + lines).min(columns - 1)].fill(true);
+        }
+    }
+    wide
+}
+
 impl<'a> Surface<'a> {
     /// The smooth surface of a rail or block at rest, its curve in world coordinates.
     pub fn extruded(curve: &'a ProfileCurve, grid: &'a SurfaceGrid) -> Self {

@@ -15,10 +15,11 @@ use crate::time::scenario::Scenario;
 use nalgebra::{Point2, Vector2};
 use railspring_calibrate::calibration::{
     Displaced, FineContact, Placed, Places, SolidBody, Solids, Zone, carry_over, cell_for, distance,
-    too_coarse, touches_border, widened, widths,
+    too_coarse, touches_border, widths,
 };
 use railspring_calibrate::contact::{
     BeyondHalfSpace, ContactPoint, Factors, HalfSpace, Lattice, Problem, Side, Surface, solve, solve_with,
+    widened,
 };
 use railspring_profiles::error::{Error, NumericsError, Result, StopReason};
 use std::cell::{OnceCell, RefCell};

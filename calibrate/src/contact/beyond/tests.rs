@@ -79,7 +79,7 @@ fn a_rigid_body_lacks_its_half_space() {
         let body = BeyondHalfSpace::of_nodes(&grid, &places, side == Side::Opposing, half_space);
         let all: Vec<usize> = (0..ALL).collect();
         let between = body.between(&Mat::zeros(3 * ALL, 3 * ALL).terms(), &all);
-        let found = at_points((&between, |node| node), &points, side, 3, None);
+        let found = at_points((&between, &all), &points, side, 3, None);
         let mut exact = Mat::zeros(3 * ALL, 3 * ALL);
         half_space.add_to(&points, &mut exact);
         let tolerance = if over == 1.0 { ROUNDOFF } else { OF_RADII } * exact.norm_max();
