@@ -22,6 +22,9 @@ pub fn bracketed_newton(mut f: impl FnMut(f64) -> (f64, f64), mut lo: f64, mut h
         }
         let newton = x - value / slope;
         let step = (newton - x).abs();
+        if step <= resolution {
+            return x;
+        }
         // A step that does not halve the last one is replaced: this bounds the work by that of bisection.
         let next =
             if newton > lo && newton < hi && step < 0.5 * last_width { newton } else { 0.5 * (lo + hi) };
@@ -93,6 +96,21 @@ mod tests {
         assert!((root - 2f64.cbrt()).abs() < 1e-13, "{root}");
         assert_eq!(regula_falsi((1.0, -1.0), (2.0, 6.0), |_| None), None);
         assert_eq!((bisection(1.0, 2.0, |_| false), bisection(1.0, 2.0, |_| true)), (2.0, 1.0));
+    }
+
+    /// Goal: where Newton's steps settle, nothing is halved after them, whatever the last digits of the root. Each step takes its digits twice as
+    /// far, so that six are enough for all; halving takes some fifty.
+    #[test]
+    fn settled_steps_end_the_search() {
+        for square in (0..500).map(|i| 0.05 + 7e-5 * f64::from(i)) {
+            let mut calls = 0;
+            let over = |x: f64| {
+                calls += 1;
+                (x * x - square, 2.0 * x)
+            };
+            let root = bracketed_newton(over, 0.2, 0.3);
+            assert!((root - square.sqrt()).abs() < ROUNDOFF && calls <= 6, "{square}: {root} after {calls}");
+        }
     }
 
     #[test]

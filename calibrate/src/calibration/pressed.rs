@@ -86,6 +86,13 @@ impl ContactField {
         self != Self::Elements
     }
 
+    /// SOLVER: how nearly forces are found while the hub is held, for the size of a patch and for its rim: what a step of a point alone changes, over
+    /// the largest force. On the wider grid, 146 wheels in five places, tangents differ by 2e-4 at most from those to 1e-6, pressures by 1e-4 and areas by
+    /// 1.4e-3, and half of them by less than 5e-6.
+    pub(super) fn held_to(self) -> f64 {
+        if self == Self::HybridWider { 1e-4 } else { 1e-6 }
+    }
+
     /// # Errors
     /// [`InputError`] for penalty springs on a fine grid.
     pub fn check(self, enforcement: Enforcement) -> Result<()> {

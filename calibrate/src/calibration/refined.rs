@@ -90,6 +90,8 @@ struct Settled<'a> {
     grid: &'a crate::mesh::SurfaceGrid,
     /// Numbers of the points of each region.
     regions: Vec<Vec<usize>>,
+    /// That of [`solve_held`].
+    tolerance: f64,
 }
 
 impl WheelOnRail<'_> {
@@ -101,7 +103,8 @@ impl WheelOnRail<'_> {
         let Some(fine) = state.fine() else { return Ok(None) };
         let regions = regions_of(state);
         let solids = self.solids(&state.hub);
-        let settled = Settled { solids, state, fine, grid: self.rail_surface.grid, regions };
+        let (grid, tolerance) = (self.rail_surface.grid, self.field.held_to());
+        let settled = Settled { solids, state, fine, grid, regions, tolerance };
         let mut found: Vec<Region> =
             (0..settled.regions.len()).map(|r| settled.first(r)).collect::<Result<_>>()?;
         let change = if self.field == ContactField::HybridWider { SETTLED_OF_THOUSANDS } else { SETTLED };
@@ -256,7 +259,7 @@ impl Settled<'_> {
         let alone = contact.operator().normal();
         let compliance = alone.as_deref().unwrap_or(contact.operator());
         let problem = Problem { points: &own, compliance, free: &free, friction: 0.0, hub: &[] };
-        let normal = solve_held(&problem, &start)?;
+        let normal = solve_held(&problem, &start, self.tolerance)?;
         drop(alone);
         Ok(OnGrid::new(&lattice, own, contact, normal))
     }

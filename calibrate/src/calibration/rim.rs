@@ -22,6 +22,8 @@ struct Normal<'a> {
     weights: Vec<f64>,
     /// Gaps without normal forces, m.
     free: Vec<f64>,
+    /// That of [`solve_held`].
+    tolerance: f64,
 }
 
 impl WheelOnRail<'_> {
@@ -38,7 +40,8 @@ impl WheelOnRail<'_> {
         let mut free = vec![0.0; n];
         compliance.add_product(forces, &mut free);
         free.iter_mut().zip(&state.solution.separation).for_each(|(free, gap)| *free = gap - *free);
-        Normal { state, compliance, answer, weights, free }.rim()
+        let tolerance = self.field.held_to();
+        Normal { state, compliance, answer, weights, free, tolerance }.rim()
     }
 }
 
@@ -102,7 +105,7 @@ impl Normal<'_> {
             self.free.iter().zip(&self.answer.rates).map(|(gap, rate)| gap + way * rate).collect();
         let change = self.answer.forces[..n].iter().zip(&self.state.solution.forces);
         let start: Vec<f64> = change.map(|(change, force)| (force + way * change).max(0.0)).collect();
-        solve_held(&self.problem(&free), &start).ok()
+        solve_held(&self.problem(&free), &start, self.tolerance).ok()
     }
 }
 

@@ -282,7 +282,7 @@ mod tests {
                     hub: &[],
                 };
                 assert_eq!(Halves::of(&problem).is_some(), std::ptr::eq(hybrid, &mirrored));
-                solve_held(&problem, &vec![0.0; n]).unwrap()
+                solve_held(&problem, &vec![0.0; n], 1e-6).unwrap()
             });
             assert!(differ(&half_held, &whole_held) < HELD, "{}", differ(&half_held, &whole_held));
             // along the track the answer is no mirror image

@@ -9,7 +9,41 @@ use realfft::RealFftPlanner;
 use realfft::num_complex::Complex;
 use realfft::{ComplexToReal, RealToComplex};
 use rustfft::{Fft, FftPlanner};
+use std::cell::Cell;
 use std::sync::Arc;
+
+/// Memory of a thread between its transforms, of which a solution takes some hundred.
+struct Room {
+    complex: Vec<Complex<f64>>,
+    real: Vec<f64>,
+    scratch: Vec<Complex<f64>>,
+}
+
+thread_local! {
+    static ROOM: Cell<Room> = const { Cell::new(Room::NONE) };
+}
+
+impl Room {
+    const NONE: Self = Self { complex: Vec::new(), real: Vec::new(), scratch: Vec::new() };
+
+    /// That of the thread, with so many zeros each, and scratch.
+    fn of_thread(complex: usize, real: usize, scratch: usize) -> Self {
+        let mut room = ROOM.replace(Self::NONE);
+        room.complex.clear();
+        room.complex.resize(complex, Complex::default());
+        room.real.clear();
+        room.real.resize(real, 0.0);
+        if room.scratch.len() < scratch {
+            room.scratch.resize(scratch, Complex::default());
+        }
+        room
+    }
+
+    /// Leaves it to the next transform.
+    fn leave(self) {
+        ROOM.set(self);
+    }
+}
 
 /// Transforms along the track, of two lines each, and along the profile, of a grid with an even number of lines in both directions.
 pub(super) struct MirroredTransform {
@@ -55,7 +89,8 @@ impl MirroredTransform {
         let half = columns / 2 + 1;
         let is_odd = direction == ALONG;
         // two lines as the real and the imaginary part
-        let mut pairs = vec![Complex::default(); lines.div_ceil(2) * columns];
+        let mut room = self.room(lines.div_ceil(2) * columns, half * lines);
+        let Room { complex: pairs, real: by_frequency, scratch } = &mut room;
         let mut count = 0;
         for ((line, column), value) in values {
             let pair = &mut pairs[line / 2 * columns..(line / 2 + 1) * columns];
@@ -73,10 +108,8 @@ impl MirroredTransform {
                 }
             }
         }
-        let mut by_frequency = vec![0.0; half * lines];
-        let mut scratch = vec![Complex::default(); self.along.get_inplace_scratch_len()];
         let pairs = &mut pairs[..count * columns];
-        self.along.process_with_scratch(pairs, &mut scratch);
+        self.along.process_with_scratch(pairs, scratch);
         for (pair, values) in pairs.chunks_exact(columns).enumerate() {
             for (line, z) in by_frequency.chunks_exact_mut(lines).zip(values) {
                 // of opposite values the transform is -i times this
@@ -85,11 +118,11 @@ impl MirroredTransform {
             }
         }
         let mut spectrum = self.zero();
-        let mut scratch = self.across.make_scratch_vec();
         let count = lines / 2 + 1;
         for (input, output) in by_frequency.chunks_exact_mut(lines).zip(spectrum.chunks_exact_mut(count)) {
-            self.across.process_with_scratch(input, output, &mut scratch).expect("lengths of the plan");
+            self.across.process_with_scratch(input, output, scratch).expect("lengths of the plan");
         }
+        room.leave();
         spectrum
     }
 
@@ -107,15 +140,12 @@ impl MirroredTransform {
         let (count, half) = (padded / 2 + 1, columns / 2 + 1);
         let is_odd = direction == ALONG;
         let pairs = lines.div_ceil(2);
-        let mut values = vec![Complex::default(); pairs * columns];
-        let mut line = vec![0.0; padded];
-        let mut scratch = self.across_back.make_scratch_vec();
+        let mut room = self.room(pairs * columns, padded);
+        let Room { complex: values, real: line, scratch } = &mut room;
         for (k, spectrum) in spectrum.chunks_exact_mut(count).enumerate() {
             // those of a real line are real; what is left is rounding. The number of lines is even
             (spectrum[0].im, spectrum[count - 1].im) = (0.0, 0.0);
-            self.across_back
-                .process_with_scratch(spectrum, &mut line, &mut scratch)
-                .expect("lengths of the plan");
+            self.across_back.process_with_scratch(spectrum, line, scratch).expect("lengths of the plan");
             for pair in 0..pairs {
                 let both = Complex::new(line[2 * pair], line[2 * pair + 1]);
                 let values = &mut values[pair * columns..(pair + 1) * columns];
@@ -128,11 +158,18 @@ impl MirroredTransform {
                 }
             }
         }
-        let mut scratch = vec![Complex::default(); self.along_back.get_inplace_scratch_len()];
-        self.along_back.process_with_scratch(&mut values, &mut scratch);
+        self.along_back.process_with_scratch(values, scratch);
         for (j, (line, column)) in places {
             let both = values[line / 2 * columns + column];
             each(j, if line % 2 == 0 { both.re } else { both.im });
         }
+        room.leave();
+    }
+
+    /// Room for a transform, with as much scratch as any part of it takes.
+    fn room(&self, complex: usize, real: usize) -> Room {
+        let along = self.along.get_inplace_scratch_len().max(self.along_back.get_inplace_scratch_len());
+        let across = self.across.get_scratch_len().max(self.across_back.get_scratch_len());
+        Room::of_thread(complex, real, along.max(across))
     }
 }

@@ -53,33 +53,31 @@ pub fn solve_to(problem: &Problem, start: &[f64], residual: f64, factors: &mut F
     solve_within(problem, start, Goal { residual, ..EXACT }, factors)
 }
 
-/// SOLVER: what a step of its point alone changes a force by in [`solve_held`], over the largest force.
-const HELD: f64 = 1e-6;
-/// Steps at most there with the inverse of the half-spaces, and without it.
+/// Steps at most of [`solve_held`] with the inverse of the half-spaces, and without it.
 const HELD_STEPS: usize = 200;
 const HELD_STEPS_WITHOUT: usize = 2000;
 
 /// The forces of a `problem` without friction and with the hub held, by products alone from the forces `start`: for many points, of which
-/// no more is wanted than their forces.
+/// no more is wanted than their forces: until a step of each point alone changes no force by more than the `tolerance` of the largest.
 ///
 /// # Errors
 /// [`railspring_profiles::error::NumericsError`] as [`solve`].
-pub fn solve_held(problem: &Problem, start: &[f64]) -> Result<Vec<f64>> {
-    let Some(halves) = Halves::of(problem) else { return solve_whole_held(problem, start) };
-    let forces = solve_whole_held(&halves.problem(problem), &halves.carried(start))?;
+pub fn solve_held(problem: &Problem, start: &[f64], tolerance: f64) -> Result<Vec<f64>> {
+    let Some(halves) = Halves::of(problem) else { return solve_whole_held(problem, start, tolerance) };
+    let forces = solve_whole_held(&halves.problem(problem), &halves.carried(start), tolerance)?;
     Ok(halves.whole(&forces, true))
 }
 
-fn solve_whole_held(problem: &Problem, start: &[f64]) -> Result<Vec<f64>> {
+fn solve_whole_held(problem: &Problem, start: &[f64], tolerance: f64) -> Result<Vec<f64>> {
     let mut state = State::new(problem, start);
-    let steps = match preconditioned(&mut state, HELD, HELD_STEPS) {
+    let steps = match preconditioned(&mut state, tolerance, HELD_STEPS) {
         Some((steps, true)) => steps,
-        _ => conjugate_gradients(&mut state, HELD, HELD_STEPS_WITHOUT),
+        _ => conjugate_gradients(&mut state, tolerance, HELD_STEPS_WITHOUT),
     };
     state.update_separation();
     let residual = state.residual().relative;
     // a number that is none is no small residual
-    if residual < 10.0 * HELD {
+    if residual < 10.0 * tolerance {
         return Ok(state.forces);
     }
     Err(unsolved(&state, residual, steps, StopReason::IterationLimit))

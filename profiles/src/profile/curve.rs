@@ -355,7 +355,9 @@ impl ProfileCurve {
         };
         let (at_start, at_end) = (condition(0.0).0, condition(h).0);
         if at_start < 0.0 && at_end > 0.0 {
-            bracketed_newton(condition, 0.0, h)
+            // in arc lengths of the curve, whose last digit the steps can settle
+            let start = self.knots[interval];
+            bracketed_newton(|s| condition(s - start), start, start + h) - start
         } else if (point - cubic.a).norm_squared() <= (point - cubic.point(h)).norm_squared() {
             0.0
         } else {
@@ -381,9 +383,12 @@ impl ProfileCurve {
                 return Some(self.knots[interval + 1]);
             }
             if before * after < 0.0 {
-                let sign = after.signum();
-                let condition = |u| (sign * (cubic.point(u).x - y), sign * cubic.derivative(u).x);
-                return Some(self.knots[interval] + bracketed_newton(condition, 0.0, h));
+                let (sign, start) = (after.signum(), self.knots[interval]);
+                let condition = |s: f64| {
+                    let u = s - start;
+                    (sign * (cubic.point(u).x - y), sign * cubic.derivative(u).x)
+                };
+                return Some(bracketed_newton(condition, start, start + h));
             }
             before = after;
         }

@@ -37,6 +37,8 @@ pub use self::work::Work;
 const OF_HALVES: f64 = 0.4;
 /// A first look may be wrong by this factor.
 const FIRST_LOOK: f64 = 2.0;
+/// A body needs no more than this multiple of what its layers below the contact zone need; with default elements it needs four times as much.
+const OF_LAYERS: f64 = 10.0;
 
 /// How much memory there is.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -72,6 +74,10 @@ impl Budget {
             // sections of the finest elements take longer than all else to be refused
             let least = of(&least_sizes(input, geometry)?);
             if least.0 > FIRST_LOOK * budget {
+                return Ok(least);
+            }
+            // without meshing sections that will be meshed again
+            if OF_LAYERS * least.0 <= FIRST_LOOK * budget {
                 return Ok(least);
             }
             Ok(of(&sizes(input, geometry)?))
