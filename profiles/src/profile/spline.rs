@@ -4,9 +4,8 @@ use nalgebra::{Point2, Vector2};
 
 use crate::quadrature::GAUSS_5_UNIT;
 
-/// Relative change of the knot distances at which they count as arc lengths, and while intervals are still halved.
+/// Relative change of the knot distances at which they count as arc lengths.
 const ARC_LENGTH_CONVERGED: f64 = 1e-14;
-const NEARLY_CONVERGED: f64 = 1e-9;
 /// Deviation of |dp/ds| from one above which an interval is halved.
 const SPEED_TOLERANCE: f64 = 1e-8;
 /// Halvings of the knot distance that are tried.
@@ -86,7 +85,7 @@ pub(crate) struct FittedPiece {
 pub(crate) fn fit(piece: &Piece) -> FittedPiece {
     let mut points = piece.points.clone();
     let mut lengths: Vec<f64> = points.windows(2).map(|w| (w[1] - w[0]).norm()).collect();
-    let mut cubics = interpolate_by_arc_length(&points, piece.end_tangents, &mut lengths, NEARLY_CONVERGED);
+    let mut cubics = interpolate_by_arc_length(&points, piece.end_tangents, &mut lengths);
     for _ in 0..MAX_REFINEMENTS {
         let coarse: Vec<bool> =
             cubics.iter().zip(&lengths).map(|(c, &h)| c.speed_error(h) > SPEED_TOLERANCE).collect();
@@ -105,9 +104,8 @@ pub(crate) fn fit(piece: &Piece) -> FittedPiece {
             finer_points.push(points[i + 1]);
         }
         (points, lengths) = (finer_points, finer_lengths);
-        cubics = interpolate_by_arc_length(&points, piece.end_tangents, &mut lengths, NEARLY_CONVERGED);
+        cubics = interpolate_by_arc_length(&points, piece.end_tangents, &mut lengths);
     }
-    cubics = interpolate_by_arc_length(&points, piece.end_tangents, &mut lengths, ARC_LENGTH_CONVERGED);
     FittedPiece { lengths, cubics }
 }
 
@@ -115,7 +113,6 @@ fn interpolate_by_arc_length(
     points: &[Point2<f64>],
     end_tangents: Option<[Vector2<f64>; 2]>,
     lengths: &mut [f64],
-    converged: f64,
 ) -> Vec<Cubic> {
     const MAX_SWEEPS: usize = 30;
     let mut cubics = interpolate(points, end_tangents, lengths);
@@ -127,7 +124,7 @@ fn interpolate_by_arc_length(
             *h = length;
         }
         cubics = interpolate(points, end_tangents, lengths);
-        if change < converged {
+        if change < ARC_LENGTH_CONVERGED {
             break;
         }
     }
