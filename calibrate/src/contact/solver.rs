@@ -58,7 +58,7 @@ const HELD_STEPS: usize = 200;
 const HELD_STEPS_WITHOUT: usize = 2000;
 
 /// The forces of a `problem` without friction and with the hub held, by products alone from the forces `start`: for many points, of which
-/// no more is wanted than their forces: until a step of each point alone changes no force by more than the `tolerance` of the largest.
+/// no more is wanted than their forces. It ends where a step of each point alone changes no force by more than the `tolerance` of the largest.
 ///
 /// # Errors
 /// [`railspring_profiles::error::NumericsError`] as [`solve`].
