@@ -73,11 +73,8 @@ impl Budget {
             };
             // sections of the finest elements take longer than all else to be refused
             let least = of(&least_sizes(input, geometry)?);
-            if least.0 > FIRST_LOOK * budget {
-                return Ok(least);
-            }
-            // without meshing sections that will be meshed again
-            if OF_LAYERS * least.0 <= FIRST_LOOK * budget {
+            // and where even the most is little, they will be meshed anyway
+            if least.0 > FIRST_LOOK * budget || OF_LAYERS * least.0 <= FIRST_LOOK * budget {
                 return Ok(least);
             }
             Ok(of(&sizes(input, geometry)?))
