@@ -8,8 +8,8 @@
 mod dense;
 mod products;
 mod mirrored;
-mod factor;
 mod elimination;
+mod factor;
 mod size;
 mod section_motion;
 mod step;
@@ -29,7 +29,6 @@ pub use mirrored::{image_along, is_mirrored, sign_along};
 pub use modes::Modes;
 pub use parts::{Parts, Wanted};
 pub use products::{add_columns, add_times, times};
-pub use section_motion::SectionMotion;
-pub use section_motion::carried;
+pub use section_motion::{SectionLoads, SectionMotion, carried};
 pub use size::FactorSize;
 pub use step::Step;

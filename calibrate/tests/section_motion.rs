@@ -69,15 +69,8 @@ fn found(length: f64, loads: &[f64]) -> Found {
     let Coarse { pair, options, wheel_mesh } = coarse();
     let mesh = mesh_rail(&pair.rail, &pair.placed, length, options).unwrap();
     let element = condense(&mesh, Supports { held: mesh.ends.clone(), ..Default::default() });
-    let motion = SectionMotion::new(
-        element.system.mesh,
-        &|forces| element.solve(forces),
-        &pair.shear_stresses,
-        &pair.placed,
-        pair.node_line(),
-        0.0,
-    )
-    .unwrap();
+    let on_section = pair.section_loads(&mesh, 0.0).unwrap();
+    let motion = SectionMotion::new(&mesh, &on_section, |forces| element.solve(forces));
     let relative = motion.relative(&element.compliance);
     let contact =
         ContactConditions { friction: 0.5, enforcement: Enforcement::Exact, field: ContactField::Elements };

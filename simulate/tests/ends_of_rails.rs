@@ -124,10 +124,10 @@ fn a_torque_at_the_middle_turns_the_head() {
         let ends = [distance, length - distance];
         let mesh = mesh_rail_between(&pair.rail, &pair.placed, ends, &options()).unwrap();
         let element = condensed(&mesh);
-        let (solve, about) = (|forces: &[f64]| element.solve(forces), pair.node_line());
+        let about = pair.node_line();
         let middle = 0.5 * length - distance;
-        let motion =
-            SectionMotion::new(&mesh, &solve, &pair.shear_stresses, &pair.placed, about, middle).unwrap();
+        let loads = pair.section_loads(&mesh, middle).unwrap();
+        let motion = SectionMotion::new(&mesh, &loads, |forces| element.solve(forces));
         let columns = mesh.contact.along_track.len();
         let at = mesh.contact.along_track.iter().position(|x| x.abs() < 1e-9).unwrap();
         let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());

@@ -5,6 +5,7 @@ use crate::contact::{PairingLimits, Surface, pair};
 use crate::mesh::{HexMesh, MeshOptions, SurfaceGrid, mesh_rail, mesh_wheel};
 use crate::section_analysis::{RailAnalysis, SectionProperties, StressSample, rail_analysis};
 use crate::solid::Material;
+use crate::superelement::SectionLoads;
 use nalgebra::{Point2, Vector2};
 use railspring_profiles::error::Result;
 use railspring_profiles::placement::{PlacedRail, Touch, TrackGeometry, place_rail, touch};
@@ -148,6 +149,14 @@ impl Pair {
     /// World position (y, z) at which the beam's node line, the line of shear centres, passes, m.
     pub fn node_line(&self) -> Point2<f64> {
         self.placed.to_world(&Point2::new(0.0, self.rail.height - self.properties.shear_centre_height))
+    }
+
+    /// The beam's forces as loads on the section x = `x` (m) of the `mesh` of this rail.
+    ///
+    /// # Errors
+    /// Those of [`SectionLoads::new`].
+    pub fn section_loads(&self, mesh: &HexMesh, x: f64) -> Result<SectionLoads> {
+        SectionLoads::new(mesh, &self.shear_stresses, &self.placed, self.node_line(), x)
     }
 
     /// Relative radii of curvature along the track and across at the first touch, m.

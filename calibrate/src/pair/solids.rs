@@ -4,7 +4,7 @@ use super::geometry::Pair;
 use crate::mesh::HexMesh;
 use crate::section_analysis::StressSample;
 use crate::solid::{Formulation, Materials, MirrorHalf, Numbering, Supports, Symmetry, System};
-use crate::superelement::{CondensedBody, Parts, SectionMotion, Step, Wanted, body_key};
+use crate::superelement::{CondensedBody, Parts, Step, Wanted, body_key};
 use nalgebra::Point2;
 use railspring_profiles::error::Result;
 use std::sync::OnceLock;
@@ -130,13 +130,9 @@ impl<'a> PairSolids<'a> {
         modes: usize,
         begins: &mut dyn FnMut(Step, usize, usize),
     ) -> Result<CondensedBody> {
-        let section = |solve: &dyn Fn(&[f64]) -> Vec<f64>| {
-            let Pair { shear_stresses, placed, .. } = self.pair;
-            let centre = self.pair.node_line();
-            SectionMotion::new(self.rail, solve, shear_stresses, placed, centre, 0.0)
-        };
+        let section = || self.pair.section_loads(self.rail, 0.0);
+        let section = (body == PairBody::RailOnEnds).then(section).transpose()?;
         let modes = if body.is_in_time() { modes } else { 0 };
-        let section = (body == PairBody::RailOnEnds).then_some(&section as _);
         let condensed = self.parts(body)?.condensed(Wanted { key, modes, section }, begins)?;
         Ok(CondensedBody { of: self.pair.named(body), ..condensed })
     }

@@ -1,185 +1,286 @@
-//! The compliance of the retained equations where nothing else of the factor is wanted: it is made in two parts, and the first goes before the second comes.
+//! Elimination of the equations of a body by fronts: its compliance, and its factor where that is wanted as well.
 //!
-//! The equations are in the order of a nested dissection, so that some place in it has few equations behind it that those before it
-//! touch: the disc of a wheel touches its rim in a few hundred. What is eliminated before that place leaves a dense block there, by which
-//! it is replaced in the matrix of the others.
+//! I.S. Duff, J.K. Reid, "The multifrontal solution of indefinite sparse symmetric linear equations", ACM Trans. Math. Softw. 9
+//! (1983). A supernode of the factor is eliminated in a dense matrix of its own equations and those that it touches. What that leaves
+//! between the latter waits for the front that eliminates the first of them. Where the factor is not wanted, there are at no time more values
+//! than those of a front and of what waits, which is less than half of the factor.
 
-use super::factor::Factor;
-use faer::Mat;
 use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::sparse::linalg::cholesky::simplicial::{
-    prefactorize_symbolic_cholesky, prefactorize_symbolic_cholesky_scratch,
+use faer::linalg::cholesky::llt::factor::{LltRegularization, cholesky_in_place, cholesky_in_place_scratch};
+use faer::linalg::matmul::matmul;
+use faer::linalg::matmul::triangular::{self, BlockStructure};
+use faer::linalg::triangular_inverse::invert_lower_triangular;
+use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
+use faer::sparse::linalg::SupernodalThreshold;
+use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
+use faer::sparse::linalg::cholesky::{
+    CholeskySymbolicParams, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
+    factorize_symbolic_cholesky,
 };
-use faer::sparse::{SparseColMat, SparseColMatRef, SymbolicSparseColMat, SymbolicSparseColMatRef};
-use railspring_profiles::error::Result;
+use faer::sparse::{SparseColMat, SparseColMatRef, SymbolicSparseColMatRef};
+use faer::{Accum, Col, Mat, MatMut, Par, Side};
+use railspring_profiles::error::{NumericsError, Result, StopReason};
 
-/// The larger part has at most this share of the values of the whole factor; otherwise the memory saved is no reason for parts.
-const LARGEST_PART: f64 = 0.9;
-/// The work that parts add, of that of the whole factor: the dense block is factored, and its factor multiplied again.
-const EXTRA_WORK: f64 = 0.01;
-
-/// Compliance of the last equations of a symmetric positive definite matrix, by its upper triangle in the order of elimination. The first `interior` ones are eliminated.
+/// Compliance of the last equations of a symmetric positive definite matrix, by its upper triangle in the order of elimination. The first `interior` ones are eliminated,
+/// of the `loads` as well ([`eliminated`]).
 ///
 /// # Errors
-/// [`NumericsError`](railspring_profiles::error::NumericsError) if the matrix is not positive definite.
-pub(super) fn compliance(upper: SparseColMat<usize, f64>, interior: usize) -> Result<Mat<f64>> {
-    let (rest, interior) = match Cut::of(upper.symbolic(), interior) {
-        Some(cut) => (cut.rest(upper)?, interior - cut.first),
-        None => (upper, interior),
+/// [`NumericsError`] if the matrix is not positive definite.
+pub(super) fn compliance(
+    upper: SparseColMat<usize, f64>,
+    interior: usize,
+    loads: MatMut<'_, f64>,
+) -> Result<Mat<f64>> {
+    let symbolic = symbolic_of(upper.symbolic())?;
+    let lower = transposed(upper.as_ref())?;
+    drop(upper);
+    Ok(compliance_of(eliminated(&symbolic, lower, interior, loads, None)?))
+}
+
+/// The supernodes of the factor of a matrix, by the pattern of its upper triangle, in the order given.
+pub(super) fn symbolic_of(upper: SymbolicSparseColMatRef<'_, usize>) -> Result<SymbolicCholesky<usize>> {
+    let params = CholeskySymbolicParams {
+        supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
+        ..Default::default()
     };
-    let factor = Factor::new(rest.as_ref(), interior)?;
-    drop(rest);
-    Ok(factor.retained_compliance())
+    let symbolic = factorize_symbolic_cholesky(upper, Side::Upper, SymmetricOrdering::Identity, params);
+    Ok(symbolic.map_err(|_| failed())?)
 }
 
-/// Where the equations are divided.
-pub(super) struct Cut {
-    /// Equations of the first part.
-    first: usize,
-    /// Those of the second part that the first one touches, ascending.
-    touched: Vec<usize>,
-    /// Values of the factor of the larger part, of those of the whole one.
-    pub larger: f64,
+/// The columns of the lower triangle, each of which has the equations that it meets after itself.
+pub(super) fn transposed(upper: SparseColMatRef<'_, usize, f64>) -> Result<SparseColMat<usize, f64>> {
+    Ok(upper.transpose().to_col_major().map_err(|_| failed())?)
 }
 
-impl Cut {
-    /// The one with the smallest larger part, among those that add little work; none where that saves little.
-    pub fn of(upper: SymbolicSparseColMatRef<'_, usize>, interior: usize) -> Option<Self> {
-        let size = upper.ncols();
-        // the first row of each column says from which cut on it is touched
-        let first_row = |column: usize| upper.row_idx_of_col_raw(column).first().copied().unwrap_or(column);
-        let (mut more, mut fewer) = (vec![0_usize; size + 1], vec![0_usize; size + 1]);
-        for column in 0..size {
-            more[first_row(column).min(column) + 1] += 1;
-            fewer[column + 1] += 1;
+/// The factor of the retained equations, in a lower triangle, from the lower triangle of the matrix. The columns of the others go into `kept`, the values of the
+/// factor, or are lost. The `loads`, right-hand sides of all equations, become `L⁻¹·b` in those that are eliminated and the condensed loads in the others.
+///
+/// # Errors
+/// [`NumericsError`] if the matrix is not positive definite.
+pub(super) fn eliminated(
+    symbolic: &SymbolicCholesky<usize>,
+    lower: SparseColMat<usize, f64>,
+    interior: usize,
+    mut loads: MatMut<'_, f64>,
+    mut kept: Option<&mut [f64]>,
+) -> Result<Mat<f64>> {
+    let fronts = Fronts::new(symbolic, interior);
+    let size = lower.ncols();
+    let entries = |column: usize| lower.row_idx_of_col(column).zip(lower.val_of_col(column));
+    let mut retained = Mat::zeros(size - interior, size - interior);
+    for column in interior..size {
+        entries(column).for_each(|(row, value)| retained[(row - interior, column - interior)] += value);
+    }
+    let mut place = vec![0; size];
+    let mut waiting: Vec<Vec<Left>> = (0..fronts.count()).map(|_| Vec::new()).collect();
+    for s in 0..fronts.count() {
+        let Front { rows, eliminated } = fronts.front(s);
+        rows.iter().enumerate().for_each(|(at, row)| place[*row] = at);
+        let rest = rows.len() - eliminated;
+        let mut lost;
+        let mut panel = match &mut kept {
+            Some(values) => {
+                let begin = fronts.nodes.col_ptr_for_val()[s];
+                let values = &mut values[begin..begin + rows.len() * eliminated];
+                MatMut::from_column_major_slice_mut(values, rows.len(), eliminated)
+            }
+            None => {
+                lost = Mat::zeros(rows.len(), eliminated);
+                lost.as_mut()
+            }
+        };
+        let mut left = Mat::zeros(rest, rest);
+        for (at, column) in rows[..eliminated].iter().enumerate() {
+            entries(*column).for_each(|(row, value)| panel[(place[row], at)] += value);
         }
-        let heights = heights(upper);
-        let values: f64 = heights.iter().sum();
-        let work: f64 = heights.iter().map(|height| 0.5 * height * height).sum();
-        let (mut before, mut touched) = (0.0, 0);
-        let mut best: Option<(f64, usize)> = None;
-        for first in 1..=interior {
-            before += heights[first - 1];
-            touched = touched + more[first] - fewer[first];
-            let block = touched as f64;
-            let larger = (before + block * block).max(values - before);
-            let cheap = block.powi(3) / 3.0 < EXTRA_WORK * work;
-            if cheap && larger < best.map_or(LARGEST_PART * values, |(least, _)| least) {
-                best = Some((larger, first));
+        for before in std::mem::take(&mut waiting[s]) {
+            before.add_to(panel.as_mut(), left.as_mut(), &place);
+        }
+        let (mut top, mut below) = panel.split_at_row_mut(eliminated);
+        factored(top.as_mut())?;
+        solve_lower_triangular_in_place(top.as_ref(), below.as_mut().transpose_mut(), threads());
+        triangular::matmul(
+            left.as_mut(),
+            BlockStructure::TriangularLower,
+            Accum::Add,
+            below.as_ref(),
+            BlockStructure::Rectangular,
+            below.as_ref().transpose(),
+            BlockStructure::Rectangular,
+            -1.0,
+            threads(),
+        );
+        for n in 0..loads.ncols() {
+            let mut load = Col::from_fn(rows.len(), |at| loads[(rows[at], n)]);
+            let (mut of_top, of_below) = load.as_mut().split_at_row_mut(eliminated);
+            solve_lower_triangular_in_place(top.as_ref(), of_top.as_mut().as_mat_mut(), Par::Seq);
+            matmul(of_below.as_mat_mut(), Accum::Add, below.as_ref(), of_top.as_mat(), -1.0, Par::Seq);
+            rows.iter().zip(load.iter()).for_each(|(row, value)| loads[(*row, n)] = *value);
+        }
+        let rows = &rows[eliminated..];
+        match fronts.next(rows) {
+            Some(next) => waiting[next].push(Left::new(rows, &left)),
+            None => {
+                for (c, column) in rows.iter().enumerate() {
+                    let values = rows.iter().zip(left.col_as_slice(c)).skip(c);
+                    values.for_each(|(row, value)| retained[(row - interior, column - interior)] += value);
+                }
             }
         }
-        let (larger, first) = best?;
-        let touched = (first..size).filter(|&column| first_row(column) < first).collect();
-        Some(Self { first, touched, larger: larger / values })
     }
-
-    /// The matrix of the second part, when the first one is eliminated.
-    fn rest(&self, upper: SparseColMat<usize, f64>) -> Result<SparseColMat<usize, f64>> {
-        let Self { first, touched, .. } = self;
-        let block = {
-            let part = self.first_part(upper.as_ref());
-            let factor = Factor::new(part.as_ref(), *first)?;
-            drop(part);
-            factor.retained_stiffness()
-        };
-        let mut columns = Columns::with_room(upper.compute_nnz());
-        let mut next = 0;
-        for column in *first..upper.ncols() {
-            let entries = upper.row_idx_of_col_raw(column).iter().zip(upper.val_of_col(column));
-            let entries =
-                entries.filter(|(row, _)| **row >= *first).map(|(row, value)| (row - first, *value));
-            if touched.get(next) == Some(&column) {
-                let of_block = touched[..=next].iter().zip(block.row(next).iter());
-                columns.add_merged(entries, of_block.map(|(row, value)| (row - first, *value)));
-                next += 1;
-            } else {
-                columns.add(entries);
-            }
-        }
-        Ok(columns.matrix())
-    }
-
-    /// The matrix of the first part with the equations that it touches.
-    fn first_part(&self, upper: SparseColMatRef<'_, usize, f64>) -> SparseColMat<usize, f64> {
-        let Self { first, touched, .. } = self;
-        let place = |row: usize| match row < *first {
-            true => Some(row),
-            false => touched.binary_search(&row).ok().map(|at| first + at),
-        };
-        let mut columns = Columns::with_room(upper.compute_nnz());
-        for column in (0..*first).chain(touched.iter().copied()) {
-            let entries = upper.row_idx_of_col_raw(column).iter().zip(upper.val_of_col(column));
-            columns.add(entries.filter_map(|(row, value)| Some((place(*row)?, *value))));
-        }
-        columns.matrix()
-    }
+    factored(retained.as_mut())?;
+    Ok(retained)
 }
 
-/// How many values each column of the factor has.
-fn heights(upper: SymbolicSparseColMatRef<'_, usize>) -> Vec<f64> {
-    let (size, entries) = (upper.ncols(), upper.compute_nnz());
-    let (mut tree, mut counts) = (vec![0_isize; size], vec![0_usize; size]);
-    let mut memory = MemBuffer::new(prefactorize_symbolic_cholesky_scratch::<usize>(size, entries));
-    prefactorize_symbolic_cholesky(&mut tree, &mut counts, upper, MemStack::new(&mut memory));
-    counts.into_iter().map(|count| count as f64).collect()
+/// The threads of the pool, whose number changes no byte of the result.
+fn threads() -> Par {
+    Par::rayon(0)
 }
 
-/// Columns of a square matrix, one after the other, rows ascending.
-struct Columns {
-    ends: Vec<usize>,
+/// That a matrix is not positive definite.
+fn failed() -> NumericsError {
+    NumericsError::new("factorisation", StopReason::Singular, f64::NAN, 0)
+}
+
+/// Replaces the lower triangle of a matrix by that of its factor.
+fn factored(matrix: MatMut<'_, f64>) -> Result<()> {
+    let scratch = cholesky_in_place_scratch::<f64>(matrix.nrows(), threads(), Default::default());
+    let mut memory = MemBuffer::new(scratch);
+    let stack = MemStack::new(&mut memory);
+    cholesky_in_place(matrix, LltRegularization::default(), threads(), stack, Default::default())
+        .map_err(|_| failed())?;
+    Ok(())
+}
+
+/// `(L·Lᵀ)⁻¹` of a factor L, the lower triangle of a matrix.
+pub(super) fn compliance_of(lower: Mat<f64>) -> Mat<f64> {
+    let n = lower.nrows();
+    let mut inverse = Mat::<f64>::zeros(n, n);
+    invert_lower_triangular(inverse.as_mut(), lower.as_ref(), threads());
+    let mut compliance = lower;
+    triangular::matmul(
+        compliance.as_mut(),
+        BlockStructure::TriangularLower,
+        Accum::Replace,
+        inverse.transpose(),
+        BlockStructure::TriangularUpper,
+        inverse.as_ref(),
+        BlockStructure::TriangularLower,
+        1.0,
+        threads(),
+    );
+    drop(inverse);
+    for column in 1..n {
+        for row in 0..column {
+            compliance[(row, column)] = compliance[(column, row)];
+        }
+    }
+    compliance
+}
+
+/// The fronts of a factor, of which the equations from `interior` on are retained.
+pub(super) struct Fronts<'s> {
+    nodes: &'s SymbolicSupernodalCholesky<usize>,
+    interior: usize,
+}
+
+/// A front: its equations, the first of which are eliminated.
+struct Front {
     rows: Vec<usize>,
+    eliminated: usize,
+}
+
+impl<'s> Fronts<'s> {
+    pub fn new(symbolic: &'s SymbolicCholesky<usize>, interior: usize) -> Self {
+        match symbolic.raw() {
+            SymbolicCholeskyRaw::Supernodal(nodes) => Self { nodes, interior },
+            SymbolicCholeskyRaw::Simplicial(_) => unreachable!("the supernodal form is forced"),
+        }
+    }
+
+    /// How many eliminate an equation.
+    fn count(&self) -> usize {
+        self.nodes.supernode_begin().partition_point(|begin| *begin < self.interior)
+    }
+
+    fn front(&self, s: usize) -> Front {
+        let (begin, end) = (self.nodes.supernode_begin()[s], self.nodes.supernode_end()[s]);
+        let below = self.nodes.col_ptr_for_row_idx();
+        let below = &self.nodes.row_idx()[below[s]..below[s + 1]];
+        let rows = (begin..end).chain(below.iter().copied()).collect();
+        Front { rows, eliminated: end.min(self.interior) - begin }
+    }
+
+    /// Which of them eliminates the first of some equations that one before has left; none where all are retained.
+    fn next(&self, rows: &[usize]) -> Option<usize> {
+        let first = rows.first().filter(|row| **row < self.interior)?;
+        Some(self.nodes.supernode_end().partition_point(|end| end <= first))
+    }
+
+    /// The most values that there are at the same time: those of a front, what waits for others, and the retained ones. The columns that a front eliminates
+    /// are among them unless they are `kept` in the factor. Each equation stands for so `many`.
+    pub fn most_values(&self, many: usize, kept: bool) -> usize {
+        let size = self.nodes.nrows();
+        let retained = (many * (size - self.interior)).pow(2);
+        let (mut waiting, mut of_front) = (0, vec![0; self.count()]);
+        let mut most = retained;
+        for s in 0..self.count() {
+            let Front { rows, eliminated } = self.front(s);
+            let (all, eliminated) = (many * rows.len(), many * eliminated);
+            let rest = all - eliminated;
+            let front = rest * rest + if kept { 0 } else { all * eliminated };
+            most = most.max(retained + waiting + front);
+            waiting -= of_front[s];
+            if let Some(next) = self.next(&rows[eliminated / many..]) {
+                let left = rest * (rest + 1) / 2;
+                most = most.max(retained + waiting + front + left);
+                of_front[next] += left;
+                waiting += left;
+            }
+        }
+        most
+    }
+}
+
+/// What a front leaves between equations.
+struct Left {
+    rows: Vec<usize>,
+    /// The lower triangle, column by column.
     values: Vec<f64>,
 }
 
-impl Columns {
-    /// Room for so many entries, so that they are not moved while they grow.
-    fn with_room(entries: usize) -> Self {
-        Self { ends: Vec::new(), rows: Vec::with_capacity(entries), values: Vec::with_capacity(entries) }
+impl Left {
+    fn new(rows: &[usize], left: &Mat<f64>) -> Self {
+        let mut values = Vec::with_capacity(rows.len() * (rows.len() + 1) / 2);
+        (0..rows.len()).for_each(|column| values.extend(&left.col_as_slice(column)[column..]));
+        Self { rows: rows.to_vec(), values }
     }
 
-    fn add(&mut self, entries: impl Iterator<Item = (usize, f64)>) {
-        for (row, value) in entries {
-            self.rows.push(row);
-            self.values.push(value);
+    /// Adds it to a front, the columns that it eliminates and the rest, in which the equations have these places.
+    fn add_to(&self, mut panel: MatMut<'_, f64>, mut left: MatMut<'_, f64>, place: &[usize]) {
+        let eliminated = panel.ncols();
+        let mut values = self.values.as_slice();
+        for (c, column) in self.rows.iter().enumerate() {
+            let (of_column, others) = values.split_at(self.rows.len() - c);
+            values = others;
+            let at = place[*column];
+            let (to, first) = match at < eliminated {
+                true => (panel.as_mut().col_mut(at), 0),
+                false => (left.as_mut().col_mut(at - eliminated), eliminated),
+            };
+            let to = to.try_as_col_major_mut().expect("column major").as_slice_mut();
+            let rows = self.rows[c..].iter().zip(of_column);
+            rows.for_each(|(row, value)| to[place[*row] - first] += value);
         }
-        self.ends.push(self.rows.len());
-    }
-
-    /// A column of both, those `over` others in their place.
-    fn add_merged(
-        &mut self,
-        entries: impl Iterator<Item = (usize, f64)>,
-        over: impl Iterator<Item = (usize, f64)>,
-    ) {
-        let (mut entries, mut over) = (entries.peekable(), over.peekable());
-        let merged = std::iter::from_fn(|| {
-            let (row, other) = (entries.peek().map(|entry| entry.0), over.peek().map(|entry| entry.0));
-            match (row, other) {
-                (Some(row), Some(other)) if row < other => entries.next(),
-                (row, Some(other)) => {
-                    if row == Some(other) {
-                        entries.next();
-                    }
-                    over.next()
-                }
-                (_, None) => entries.next(),
-            }
-        });
-        self.add(merged);
-    }
-
-    fn matrix(self) -> SparseColMat<usize, f64> {
-        let Self { ends, rows, values } = self;
-        let size = ends.len();
-        let starts = std::iter::once(0).chain(ends).collect();
-        SparseColMat::new(SymbolicSparseColMat::new_checked(size, size, starts, None, rows), values)
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::factor::Factor;
     use super::*;
     use faer::sparse::Triplet;
+    use std::ops::Range;
 
     /// ROUNDOFF of a few thousand equations that are well conditioned.
     const ROUNDOFF: f64 = 1e-12;
@@ -200,25 +301,105 @@ mod tests {
         (SparseColMat::try_new_from_triplets(size, size, &triplets).unwrap(), size - each)
     }
 
-    /// Source: the whole factor. Goal: the compliance in two parts, m/N, is the same, for a chain of blocks of which one equation is touched; for a full matrix
-    /// there is no cut. The larger part is about half. Accuracy over the largest: ROUNDOFF.
+    /// Source: dense algebra of the same matrix by nalgebra. Goal: the compliance, m/N, for a chain of blocks, the last of which is retained whole or in part, for
+    /// a full matrix, and for a grid whose halves meet in its middle. Two loads do their work, J, and move the retained equations, m. With the factor the compliance is the same
+    /// to the byte. Accuracy over the largest: ROUNDOFF.
     #[test]
-    fn two_parts_have_the_compliance_of_the_whole() {
-        let (matrix, interior) = chain(8, 30);
-        let cut = Cut::of(matrix.symbolic(), interior).expect("a place behind which one equation is touched");
-        assert_eq!((cut.first, cut.touched.as_slice()), (119, &[119][..]));
-        let whole = Factor::new(matrix.as_ref(), interior).unwrap().retained_compliance();
-        let parts = compliance(matrix, interior).unwrap();
-        let largest = whole.norm_max();
-        assert!((&parts - &whole).norm_max() < ROUNDOFF * largest);
-        let (full, interior) = (chain(1, 60).0, 30);
-        assert!(Cut::of(full.symbolic(), interior).is_none());
-        assert_eq!(compliance(full, interior).unwrap().nrows(), 30);
+    fn fronts_have_the_compliance_of_the_dense_inverse() {
+        let ((blocks, interior), full) = (chain(8, 30), chain(1, 60).0);
+        let cases = [(blocks.clone(), interior), (blocks, interior + 10), (full, 30), dissected(13)];
+        for (matrix, interior) in cases {
+            let size = matrix.ncols();
+            let mut dense = nalgebra::DMatrix::<f64>::zeros(size, size);
+            for Triplet { row, col, val } in matrix.triplet_iter() {
+                (dense[(row, col)], dense[(col, row)]) = (*val, *val);
+            }
+            let inverse = dense.try_inverse().unwrap();
+            let with_factor = Factor::new(matrix.as_ref(), interior).unwrap().retained_compliance();
+            let mut loads = Mat::from_fn(size, 2, |i, n| (0.7 * (i * (n + 1)) as f64).cos());
+            let given = nalgebra::DMatrix::from_fn(size, 2, |i, n| loads[(i, n)]);
+            let found = compliance(matrix, interior, loads.as_mut()).unwrap();
+            let (inside, condensed) = loads.as_ref().split_at_row(interior);
+            let work = inside.transpose() * inside + condensed.transpose() * &found * condensed;
+            let moved = &inverse * &given;
+            let expected = given.transpose() * &moved;
+            for (i, k) in [(0, 0), (0, 1), (1, 1)] {
+                assert!((work[(i, k)] - expected[(i, k)]).abs() < ROUNDOFF * expected.amax());
+            }
+            let retained = &found * condensed;
+            for (i, n) in (interior..size).flat_map(|i| [(i, 0), (i, 1)]) {
+                assert!((retained[(i - interior, n)] - moved[(i, n)]).abs() < ROUNDOFF * moved.amax());
+            }
+            for (i, j) in (interior..size).flat_map(|i| (interior..size).map(move |j| (i, j))) {
+                let off = found[(i - interior, j - interior)] - inverse[(i, j)];
+                assert!(off.abs() < ROUNDOFF * inverse.amax(), "{i} {j}: {off:e}");
+            }
+            assert_eq!(found, with_factor);
+        }
     }
 
-    /// Goal: a matrix that is not positive definite in either part is refused.
+    /// Goal: the most values at a time are those of the largest front where one block follows the other; of a grid whose halves meet in its middle
+    /// they are fewer than those of its factor. Equations that stand for three have nine times as many.
     #[test]
-    fn neither_part_may_be_indefinite() {
+    fn values_are_those_of_fronts() {
+        let (matrix, interior) = chain(8, 30);
+        let symbolic = symbolic_of(matrix.symbolic()).unwrap();
+        // 30 equations that touch one, which the next front has from them
+        let most = Fronts::new(&symbolic, interior).most_values(1, false);
+        assert_eq!(most, 30 * 30 + 31 * 30 + 1 + 1);
+        assert_eq!(Fronts::new(&symbolic, interior).most_values(1, true), 30 * 30 + 1 + 1);
+        let (matrix, interior) = dissected(40);
+        let symbolic = symbolic_of(matrix.symbolic()).unwrap();
+        let fronts = Fronts::new(&symbolic, interior);
+        let (one, three) = (fronts.most_values(1, false), fronts.most_values(3, false));
+        assert!(2 * one < symbolic.len_val(), "{one} of {}", symbolic.len_val());
+        assert!((three as f64 / (9.0 * one as f64) - 1.0).abs() < 0.01, "{three}");
+    }
+
+    /// A square grid of springs, each half of it in nested dissection, whose last side is retained.
+    fn dissected(side: usize) -> (SparseColMat<usize, f64>, usize) {
+        let mut order = Vec::new();
+        dissect([0..side, 0..side - 1], &mut order);
+        let interior = order.len();
+        order.extend((0..side).map(|i| (i, side - 1)));
+        let at = |i: usize, k: usize| order.iter().position(|place| *place == (i, k)).unwrap();
+        let mut triplets = Vec::new();
+        for i in 0..side {
+            for k in 0..side {
+                let here = at(i, k);
+                triplets.push(Triplet::new(here, here, 4.1 + 0.2 * (here as f64).sin()));
+                let next = [(i + 1, k), (i, k + 1)];
+                for (i, k) in next.into_iter().filter(|(i, k)| *i < side && *k < side) {
+                    let there = at(i, k);
+                    triplets.push(Triplet::new(here.min(there), here.max(there), -1.0));
+                }
+            }
+        }
+        let size = order.len();
+        (SparseColMat::try_new_from_triplets(size, size, &triplets).unwrap(), interior)
+    }
+
+    /// The places of a rectangle, those of its middle line last.
+    fn dissect([rows, columns]: [Range<usize>; 2], order: &mut Vec<(usize, usize)>) {
+        if rows.is_empty() || columns.is_empty() {
+            return;
+        }
+        if rows.len() >= columns.len() {
+            let middle = rows.start + rows.len() / 2;
+            dissect([rows.start..middle, columns.clone()], order);
+            dissect([middle + 1..rows.end, columns.clone()], order);
+            order.extend(columns.map(|k| (middle, k)));
+        } else {
+            let middle = columns.start + columns.len() / 2;
+            dissect([rows.clone(), columns.start..middle], order);
+            dissect([rows.clone(), middle + 1..columns.end], order);
+            order.extend(rows.map(|i| (i, middle)));
+        }
+    }
+
+    /// Goal: a matrix that is not positive definite is refused, whether an equation that is eliminated or one that is retained makes it so.
+    #[test]
+    fn nothing_may_be_indefinite() {
         for wrong in [10, 200] {
             let (matrix, interior) = chain(8, 30);
             let triplets: Vec<_> = (matrix.triplet_iter())
@@ -227,7 +408,8 @@ mod tests {
                 })
                 .collect();
             let matrix = SparseColMat::try_new_from_triplets(240, 240, &triplets).unwrap();
-            assert!(compliance(matrix, interior).is_err(), "{wrong}");
+            let mut none = Mat::zeros(240, 0);
+            assert!(compliance(matrix, interior, none.as_mut()).is_err(), "{wrong}");
         }
     }
 }

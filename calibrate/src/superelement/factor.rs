@@ -1,19 +1,14 @@
 //! Sparse Cholesky factor with its interior and retained parts kept apart.
 
+use super::elimination::{compliance_of, eliminated, symbolic_of, transposed};
 use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor::LltRegularization;
 use faer::linalg::matmul::matmul;
 use faer::linalg::matmul::triangular::{self, BlockStructure};
-use faer::linalg::triangular_inverse::invert_lower_triangular;
 use faer::sparse::SparseColMatRef;
-use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::supernodal::SupernodalLltRef;
-use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
-    factorize_symbolic_cholesky,
-};
-use faer::{Accum, Conj, Mat, MatMut, MatRef, Par, Side};
-use railspring_profiles::error::{NumericsError, Result, StopReason};
+use faer::sparse::linalg::cholesky::{LltRef, SymbolicCholesky, SymbolicCholeskyRaw};
+use faer::{Accum, Conj, Mat, MatMut, MatRef, Par};
+use railspring_profiles::error::Result;
 
 /// `A = L·Lᵀ` of a matrix whose first `interior` equations are eliminated and whose
 /// last ones are retained.
@@ -28,35 +23,43 @@ impl Factor {
     /// Factors a symmetric positive definite matrix given by its upper triangle, in the order given.
     ///
     /// # Errors
-    /// [`NumericsError`] if the matrix is not positive definite.
+    /// [`NumericsError`](railspring_profiles::error::NumericsError) if the matrix is not positive definite.
     pub fn new(upper: SparseColMatRef<'_, usize, f64>, interior: usize) -> Result<Self> {
-        let failed = |iteration| {
-            NumericsError::new("factorisation", StopReason::Singular, f64::NAN, 0).after(iteration)
-        };
-        let params = CholeskySymbolicParams {
-            supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
-            ..Default::default()
-        };
-        let symbolic =
-            factorize_symbolic_cholesky(upper.symbolic(), Side::Upper, SymmetricOrdering::Identity, params)
-                .map_err(|_| failed(0))?;
+        Self::with_loads(upper, interior, Mat::zeros(upper.ncols(), 0).as_mut())
+    }
+
+    /// The same, which eliminates the interior from `loads`, right-hand sides by column, as [`Self::forward_interior`] does.
+    pub(super) fn with_loads(
+        upper: SparseColMatRef<'_, usize, f64>,
+        interior: usize,
+        loads: MatMut<'_, f64>,
+    ) -> Result<Self> {
+        let symbolic = symbolic_of(upper.symbolic())?;
         let mut values = vec![0.0; symbolic.len_val()];
-        // the threads of the pool, whose number changes no byte of the factor
-        let threads = Par::rayon(0);
-        let scratch = symbolic.factorize_numeric_llt_scratch::<f64>(threads, Default::default());
-        let mut memory = MemBuffer::new(scratch);
-        symbolic
-            .factorize_numeric_llt(
-                &mut values,
-                upper,
-                Side::Upper,
-                LltRegularization::default(),
-                threads,
-                MemStack::new(&mut memory),
-                Default::default(),
-            )
-            .map_err(|_| failed(0))?;
-        Ok(Self { symbolic, values, interior, size: upper.ncols() })
+        let retained = eliminated(&symbolic, transposed(upper)?, interior, loads, Some(&mut values))?;
+        let mut factor = Self { symbolic, values, interior, size: upper.ncols() };
+        factor.put_retained(&retained);
+        Ok(factor)
+    }
+
+    /// The columns of the retained equations, from `L_rr`.
+    fn put_retained(&mut self, lower: &Mat<f64>) {
+        let Self { values, interior, .. } = self;
+        let SymbolicCholeskyRaw::Supernodal(symbolic) = self.symbolic.raw() else {
+            unreachable!("the supernodal form is forced")
+        };
+        for s in 0..symbolic.n_supernodes() {
+            let node = symbolic.supernode(s);
+            let rows: Vec<usize> =
+                (node.start()..symbolic.supernode_end()[s]).chain(node.pattern().iter().copied()).collect();
+            let first = symbolic.col_ptr_for_val()[s];
+            for (j, column) in (node.start()..symbolic.supernode_end()[s]).enumerate() {
+                let Some(at) = column.checked_sub(*interior) else { continue };
+                let to = &mut values[first + j * rows.len()..first + (j + 1) * rows.len()];
+                let from = lower.col_as_slice(at);
+                to.iter_mut().zip(&rows).skip(j).for_each(|(value, row)| *value = from[row - *interior]);
+            }
+        }
     }
 
     /// Number of values stored in the factor.
@@ -197,49 +200,9 @@ impl Factor {
         lower
     }
 
-    /// Stiffness of the retained equations with the others free, the lower triangle of `L_rr·L_rrᵀ`.
-    pub fn retained_stiffness(&self) -> Mat<f64> {
-        let lower = self.retained();
-        let mut stiffness = Mat::zeros(lower.nrows(), lower.ncols());
-        triangular::matmul(
-            stiffness.as_mut(),
-            BlockStructure::TriangularLower,
-            Accum::Replace,
-            lower.as_ref(),
-            BlockStructure::TriangularLower,
-            lower.transpose(),
-            BlockStructure::TriangularUpper,
-            1.0,
-            Par::rayon(0),
-        );
-        stiffness
-    }
-
     /// Compliance of the retained equations, `(L_rr·L_rrᵀ)⁻¹`.
     pub fn retained_compliance(&self) -> Mat<f64> {
-        let lower = self.retained();
-        let n = lower.nrows();
-        let mut inverse = Mat::<f64>::zeros(n, n);
-        invert_lower_triangular(inverse.as_mut(), lower.as_ref(), Par::rayon(0));
-        let mut compliance = lower;
-        triangular::matmul(
-            compliance.as_mut(),
-            BlockStructure::TriangularLower,
-            Accum::Replace,
-            inverse.transpose(),
-            BlockStructure::TriangularUpper,
-            inverse.as_ref(),
-            BlockStructure::TriangularLower,
-            1.0,
-            Par::rayon(0),
-        );
-        drop(inverse);
-        for column in 1..n {
-            for row in 0..column {
-                compliance[(row, column)] = compliance[(column, row)];
-            }
-        }
-        compliance
+        compliance_of(self.retained())
     }
 }
 

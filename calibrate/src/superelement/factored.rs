@@ -4,8 +4,8 @@ use super::factor::Factor;
 use super::products::times;
 use super::step::Step;
 use crate::solid::System;
-use faer::Mat;
 use faer::sparse::SparseColMat;
+use faer::{Mat, MatMut};
 use railspring_profiles::error::Result;
 
 /// A factored body with its compliance at the retained equations.
@@ -25,14 +25,19 @@ impl<'a> Superelement<'a> {
     /// # Errors
     /// An inverted element, or a matrix that is not positive definite because the body is not held.
     pub fn new(system: System<'a>) -> Result<Self> {
-        Self::in_steps(system, &mut |_| ())
+        let mut none = Mat::zeros(system.numbering.equations, 0);
+        Self::in_steps(system, none.as_mut(), &mut |_| ())
     }
 
-    /// The same, which says what it `begins`.
-    pub(super) fn in_steps(system: System<'a>, begins: &mut dyn FnMut(Step)) -> Result<Self> {
+    /// The same, which says what it `begins`, and eliminates the inside from `loads`, right-hand sides of all equations by column.
+    pub(super) fn in_steps(
+        system: System<'a>,
+        loads: MatMut<'_, f64>,
+        begins: &mut dyn FnMut(Step),
+    ) -> Result<Self> {
         begins(Step::Assembly);
         let matrix = system.matrix(1.0, 0.0, &[])?;
-        Self::of(system, matrix, begins)
+        Self::of(system, matrix, loads, begins)
     }
 
     /// As [`Self::new`] for `stiffness_factor·stiffness + mass_factor·mass` with extra `diagonal` terms.
@@ -46,16 +51,18 @@ impl<'a> Superelement<'a> {
         diagonal: &[(usize, f64)],
     ) -> Result<Self> {
         let matrix = system.matrix(stiffness_factor, mass_factor, diagonal)?;
-        Self::of(system, matrix, &mut |_| ())
+        let mut none = Mat::zeros(system.numbering.equations, 0);
+        Self::of(system, matrix, none.as_mut(), &mut |_| ())
     }
 
     fn of(
         system: System<'a>,
         matrix: SparseColMat<usize, f64>,
+        loads: MatMut<'_, f64>,
         begins: &mut dyn FnMut(Step),
     ) -> Result<Self> {
         begins(Step::Factorisation);
-        let factor = Factor::new(matrix.as_ref(), system.numbering.interior)?;
+        let factor = Factor::with_loads(matrix.as_ref(), system.numbering.interior, loads)?;
         drop(matrix);
         begins(Step::Condensation);
         let compliance = factor.retained_compliance();

@@ -31,16 +31,23 @@ pub struct SectionMotion {
     pub(super) moved: [Vec<f64>; 3],
 }
 
-impl SectionMotion {
-    /// Loads the section x = `x` (m) of a rail with the beam's forces; `solve` has the displacements of the nodes of its `mesh` under forces on
-    /// them. `stresses` are those of the section in
-    /// its profile frame, `shear_centre` its shear centre in the world.
+/// The beam's unit forces across the track and down and its unit torque, as loads on a section of a rail's solid.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SectionLoads {
+    /// World position (y, z) of the shear centre, m.
+    pub shear_centre: Point2<f64>,
+    /// Forces on all nodes (`3·node + axis`, N) of each.
+    pub unit: [Vec<f64>; 3],
+}
+
+impl SectionLoads {
+    /// Loads on the section x = `x` (m) of a rail's `mesh`. `stresses` are those of the section in its profile frame, `shear_centre` its
+    /// shear centre in the world.
     ///
     /// # Errors
     /// [`InputError`] if the plane misses the mesh.
     pub fn new(
         mesh: &HexMesh,
-        solve: &dyn Fn(&[f64]) -> Vec<f64>,
         stresses: &[StressSample],
         placed: &PlacedRail,
         shear_centre: Point2<f64>,
@@ -79,22 +86,37 @@ impl SectionMotion {
                 "check the profile for crossing outlines",
             )
         })?;
-        let unit: Vec<Vec<f64>> = (0..3)
-            .map(|k| {
-                (0..loads[0].len()).map(|i| (0..3).map(|l| loads[l][i] * to_unit[(l, k)]).sum()).collect()
-            })
-            .collect();
-        let moved: Vec<Vec<f64>> = unit.iter().map(|load| solve(load)).collect();
+        let unit = [0, 1, 2].map(|k| {
+            (0..loads[0].len()).map(|i| (0..3).map(|l| loads[l][i] * to_unit[(l, k)]).sum()).collect()
+        });
+        Ok(Self { shear_centre, unit })
+    }
+}
+
+impl SectionMotion {
+    /// The motion under `loads` on a section; `solve` has the displacements of the nodes of the `mesh` under forces on them.
+    pub fn new(mesh: &HexMesh, loads: &SectionLoads, solve: impl Fn(&[f64]) -> Vec<f64>) -> Self {
+        let SectionLoads { shear_centre, unit } = loads;
+        let moved = unit.each_ref().map(|load| solve(load));
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(p, q)| p * q).sum::<f64>();
-        let flexibility =
-            Matrix3::from_fn(|i, k| 0.5 * (dot(&unit[i], &moved[k]) + dot(&unit[k], &moved[i])));
+        Self::of(mesh, *shear_centre, Matrix3::from_fn(|i, k| dot(&unit[i], &moved[k])), &moved)
+    }
+
+    /// The motion by the `work` of each load on the displacements under each, and by these displacements of the contact nodes (`3·node + axis` of all
+    /// nodes of the `mesh`).
+    pub(super) fn of(
+        mesh: &HexMesh,
+        shear_centre: Point2<f64>,
+        work: Matrix3<f64>,
+        moved: &[Vec<f64>; 3],
+    ) -> Self {
         let nodes =
             mesh.contact.nodes.iter().map(|&n| Point2::new(mesh.nodes[n].y, mesh.nodes[n].z)).collect();
-        let at_contact = |u: &[f64]| -> Vec<f64> {
+        let at_contact = |u: &Vec<f64>| -> Vec<f64> {
             mesh.contact.nodes.iter().flat_map(|&n| [u[3 * n], u[3 * n + 1], u[3 * n + 2]]).collect()
         };
-        let moved = std::array::from_fn(|k| at_contact(&moved[k]));
-        Ok(Self { shear_centre, flexibility, nodes, moved })
+        let flexibility = 0.5 * (work + work.transpose());
+        Self { shear_centre, flexibility, nodes, moved: moved.each_ref().map(at_contact) }
     }
 
     /// The same of a rail that is moved across the track by `way` (y, z), m.

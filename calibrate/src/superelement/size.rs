@@ -1,6 +1,6 @@
 //! How large the factor of a body will be, before anything is assembled.
 
-use super::elimination::Cut;
+use super::elimination::Fronts;
 use crate::mesh::HexMesh;
 use crate::solid::{Numbering, Pattern};
 use faer::Side;
@@ -24,8 +24,10 @@ pub struct FactorSize {
     pub entries: usize,
     /// Values stored in the factor of a part.
     pub values: usize,
-    /// Those of the larger factor of a part of which the compliance alone is wanted, which may be made in two.
+    /// The most values at a time of a part of which the compliance alone is wanted.
     pub alone: usize,
+    /// The most beside those of the factor, where that is kept.
+    pub beside: usize,
     /// Values stored in the factor of the equations of a part that are not retained.
     pub inside: usize,
     /// Multiplications of all factorisations.
@@ -65,7 +67,7 @@ impl FactorSize {
             })
             .sum();
         let inside = numbering.interior / 3;
-        let larger = Cut::of(pattern, inside).map_or(1.0, |cut| cut.larger);
+        let fronts = Fronts::new(&symbolic, inside);
         let values_inside = |s: usize| {
             let (begin, end) = (nodes.supernode_begin()[s], nodes.supernode_end()[s].min(inside));
             let rows = &nodes.row_idx()[below[s]..below[s + 1]];
@@ -79,7 +81,8 @@ impl FactorSize {
             // of the nine products of two nodes all, of those of a node with itself the upper six
             entries: 9 * rows.len() - 3 * count,
             values: 9 * symbolic.len_val(),
-            alone: (9.0 * larger * symbolic.len_val() as f64) as usize,
+            alone: fronts.most_values(3, false),
+            beside: fronts.most_values(3, true),
             inside: 9 * (0..nodes.n_supernodes()).map(values_inside).sum::<usize>(),
             multiplications,
         })

@@ -11,6 +11,4 @@ pub enum Step {
     Condensation,
     /// The modes are found.
     Modes,
-    /// The motion of its section is found.
-    Section,
 }

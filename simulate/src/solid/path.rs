@@ -16,13 +16,12 @@ use super::along::Along;
 use crate::time::scenario::Scenario;
 use faer::Mat;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
-use railspring_calibrate::mesh::{HexMesh, MeshOptions, mesh_rail_path, rail_grid_half_length};
+use railspring_calibrate::mesh::{MeshOptions, mesh_rail_path, rail_grid_half_length};
 use railspring_calibrate::pair::Pair;
 use railspring_calibrate::solid::{Formulation, Material, Supports, System};
 use railspring_calibrate::superelement::{CondensedBody, Modes, SectionMotion, Superelement};
 use railspring_profiles::error::{InputError, Result};
 use railspring_profiles::field::InputField;
-use std::cell::RefCell;
 
 /// Length of the elements along the track, m, and the largest edges of those of the running surface and, at least, of the section.
 const LAYER: f64 = 10e-3;
@@ -96,15 +95,17 @@ impl Whole {
         let mesh = mesh_rail_path(&pair.rail, &pair.placed, length, layers(length), &options)?;
         let supports = Supports { held: mesh.ends.clone(), ..Supports::default() };
         let solid = Superelement::new(System::new(&mesh, *material, element, &supports)?)?;
-        let torque = torque(pair, &mesh, &solid)?;
-        let (modes, twist) = solid.modes_along(&torque.forces, count)?;
-        let HexMesh { contact, .. } = &mesh;
+        let loads = pair.section_loads(&mesh, 0.0)?;
+        let section = SectionMotion::new(&mesh, &loads, |forces| solid.solve(forces));
+        let [_, _, torque] = &loads.unit;
+        let (modes, twist) = solid.modes_along(torque, count)?;
+        let contact = &mesh.contact;
         let sections = contact.along_track.len();
         Ok(Self {
             compliance: solid.compliance,
             modes,
             twist,
-            section: torque.section,
+            section,
             profile: contact.along_profile.clone(),
             sections,
             pitch: length / (sections + 1) as f64,
@@ -117,26 +118,6 @@ impl Whole {
             .flat_map(|line| sections.clone().map(move |section| line * self.sections + section));
         nodes.flat_map(|node| (0..3).map(move |axis| 3 * node + axis)).collect()
     }
-}
-
-/// A unit torque on the middle section of a rail.
-struct Torque {
-    /// On all nodes, N.
-    forces: Vec<f64>,
-    section: SectionMotion,
-}
-
-fn torque(pair: &Pair, mesh: &HexMesh, solid: &Superelement<'_>) -> Result<Torque> {
-    let last = RefCell::new(Vec::new());
-    let solve = |forces: &[f64]| {
-        // the torque is the last of the three
-        last.borrow_mut().clear();
-        last.borrow_mut().extend_from_slice(forces);
-        solid.solve(forces)
-    };
-    let section =
-        SectionMotion::new(mesh, &solve, &pair.shear_stresses, &pair.placed, pair.node_line(), 0.0)?;
-    Ok(Torque { forces: last.into_inner(), section })
 }
 
 /// Elements along a rail, an even number.

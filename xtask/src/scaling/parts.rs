@@ -59,7 +59,7 @@ impl<'a> Ordered<'a> {
         let one = |body: PairBody, nodes: usize| -> Result<Self> {
             monitor.progress(body.name(), 0, 5)?;
             let (parts, ordering) = timed("ordering", || solids.parts(body))?;
-            let (size, memory) = condensing(&parts, modes, body == PairBody::RailOnEnds)?;
+            let (size, memory) = condensing(&parts, modes)?;
             let stepping = stepping(&size, modes, 1);
             Ok(Self { body, solids: *solids, nodes, size, ordering, memory, stepping })
         };
@@ -130,7 +130,7 @@ impl<'m> StepClock<'m> {
         let stage = match step {
             Step::Assembly => 0,
             Step::Factorisation => 1,
-            Step::Condensation | Step::Section => 2,
+            Step::Condensation => 2,
             Step::Modes => 3,
         };
         self.furthest = self.furthest.max(stage);

@@ -30,10 +30,8 @@ fn condensed(pair: &Pair, length: f64, x: f64) -> CondensedBody {
     let mesh = mesh_rail_between(&pair.rail, &pair.placed, [x, length - x], &options()).unwrap();
     let supports = Supports { held: mesh.ends.clone(), ..Supports::default() };
     let element = Superelement::new(System::new(&mesh, STEEL, ELEMENT, &supports).unwrap()).unwrap();
-    let solve = |forces: &[f64]| element.solve(forces);
-    let section =
-        SectionMotion::new(&mesh, &solve, &pair.shear_stresses, &pair.placed, pair.node_line(), 0.0);
-    let section = Some(section.unwrap());
+    let loads = pair.section_loads(&mesh, 0.0).unwrap();
+    let section = Some(SectionMotion::new(&mesh, &loads, |forces| element.solve(forces)));
     CondensedBody { section, ..element.condensed("rail".into()) }
 }
 

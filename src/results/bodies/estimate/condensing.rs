@@ -19,13 +19,13 @@ pub(crate) const MASS: f64 = 27.0 * 12.0;
 const AT_ONCE: f64 = 24.0;
 
 /// The size of the factor of a body, and the bytes that it takes at most on the way to its condensed form with so many modes. Its mesh and the order of its
-/// equations are not among these. `section`: the motion of its section is wanted as well.
+/// equations are not among these.
 ///
 /// # Errors
 /// A mesh that cannot be ordered.
-pub fn condensing(parts: &Parts<'_>, modes: usize, section: bool) -> Result<(FactorSize, f64)> {
+pub fn condensing(parts: &Parts<'_>, modes: usize) -> Result<(FactorSize, f64)> {
     let size = parts.size()?;
-    Ok((size, largest(&size, modes as f64, section)))
+    Ok((size, largest(&size, modes as f64, modes > 0)))
 }
 
 /// Bytes of a factor of so many values, with the indices and the work space of its factorisation.
@@ -33,9 +33,9 @@ pub(crate) fn factor(values: usize) -> f64 {
     FACTORISATION * VALUE * values as f64
 }
 
-/// The largest of the stages of a body: factorisation, condensation, modes, and the compliance of the whole from those of its parts.
-pub(crate) fn largest(size: &FactorSize, modes: f64, section: bool) -> f64 {
-    let values = if modes > 0.0 || section { size.values } else { size.alone };
+/// The largest of the stages of a body: factorisation, condensation, modes, and the compliance of the whole from those of its parts. `kept`: the
+/// factor is.
+pub(crate) fn largest(size: &FactorSize, modes: f64, kept: bool) -> f64 {
     let parts = size.parts as f64;
     let dense = VALUE * (size.retained as f64).powi(2);
     let of_part = dense / parts.powi(2);
@@ -46,9 +46,16 @@ pub(crate) fn largest(size: &FactorSize, modes: f64, section: bool) -> f64 {
         if modes > 0.0 { (modes + AT_ONCE) * VALUE * equations + MASS * equations / 3.0 } else { 0.0 };
     // the compliances of the parts before
     let before = (parts - 1.0) * of_part;
-    let beside = [ENTRY * size.entries as f64, before + 2.0 * of_part, of_part + vectors];
+    let matrix = ENTRY * size.entries as f64;
     let joined = if size.parts > 1 { dense + parts * of_part } else { 0.0 };
-    (factor(values) + beside.into_iter().fold(0.0, f64::max)).max(joined)
+    let stages = if kept {
+        // the upper triangle and the lower one, from which the factor is made
+        let making = before + 2.0 * matrix + VALUE * size.beside as f64;
+        [making, before + 2.0 * of_part, of_part + vectors].map(|beside| factor(size.values) + beside)
+    } else {
+        [before + matrix + factor(size.alone), before + 2.0 * of_part, 0.0]
+    };
+    stages.into_iter().fold(joined, f64::max)
 }
 
 /// Bytes of a reduced body in so many `runs` in time: its compliance, which they share, and the far field and the shapes of each.

@@ -123,11 +123,11 @@ impl Estimate {
         // references factor whole bodies, and so does full order in time
         let whole = |mesh: MeshSize, body: PairBody| -> Result<Body> {
             let system = solids.system(body)?;
-            Ok(Body { mesh, size: FactorSize::of(system.mesh, &system.numbering)?, section: true })
+            Ok(Body { mesh, size: FactorSize::of(system.mesh, &system.numbering)? })
         };
         let (rail, wheel) = rayon::join(|| count(PairBody::RailOnEnds), || count(PairBody::Wheel));
-        let rail = Body { mesh: MeshSize::of(&meshes.rail), size: rail?, section: true };
-        let wheel = Body { mesh: MeshSize::of(&meshes.wheel), size: wheel?, section: false };
+        let rail = Body { mesh: MeshSize::of(&meshes.rail), size: rail? };
+        let wheel = Body { mesh: MeshSize::of(&meshes.wheel), size: wheel? };
         let base = PROGRAM + NODE * (rail.mesh.nodes + wheel.mesh.nodes) as f64;
         let pair = Pair { input, geometry, meshes, rail, wheel, base };
         let Pair { rail, wheel, .. } = &pair;
@@ -261,8 +261,6 @@ impl Estimate {
 struct Body {
     mesh: MeshSize,
     size: FactorSize,
-    /// Whether the whole factor is wanted, for the motion of its section.
-    section: bool,
 }
 
 impl Body {
@@ -273,7 +271,7 @@ impl Body {
 
     /// Largest memory on the way there, with so many modes, bytes.
     fn making(&self, modes: f64) -> f64 {
-        largest(&self.size, modes, self.section)
+        largest(&self.size, modes, modes > 0.0)
     }
 
     /// Bytes of the inside of the body: the factor and the matrix.
@@ -290,7 +288,7 @@ impl Body {
 
     /// The same for a body at full order in time, which has its mass and its damping besides.
     fn making_in_time(&self) -> f64 {
-        self.making(0.0) + ENTRY * self.size.entries as f64 + MASS * self.mesh.nodes as f64
+        largest(&self.size, 0.0, true) + ENTRY * self.size.entries as f64 + MASS * self.mesh.nodes as f64
     }
 
     /// The same body on a mesh of another size, whose factor grows as that of a body that is refined: the values with the power
@@ -305,10 +303,11 @@ impl Body {
             entries: times(self.size.entries, 1.0),
             values: times(self.size.values, 4.0 / 3.0),
             alone: times(self.size.alone, 4.0 / 3.0),
+            beside: times(self.size.beside, 4.0 / 3.0),
             inside: times(self.size.inside, 4.0 / 3.0),
             multiplications: self.size.multiplications * ratio.powi(2),
         };
-        Self { mesh, size, ..*self }
+        Self { mesh, size }
     }
 
     /// Time of order, assembly, factor and reduction, s.

@@ -14,7 +14,6 @@ use railspring_calibrate::solid::{Formulation, Material, Supports, System};
 use railspring_calibrate::superelement::{SectionMotion, Superelement, carried};
 use railspring_element::held_end::{EndPlace, HeldEnd, in_world};
 use railspring_profiles::error::Result;
-use std::cell::RefCell;
 
 /// The longest solid rail that is asked, m: four heights of a rail on either side of its middle.
 const LONGEST: f64 = 0.7;
@@ -70,15 +69,8 @@ impl<'a> Stub<'a> {
 
     /// Displacements of all nodes (`3·node + axis`, m) under a torque of 1 N·m on the middle section.
     fn twisted(&self, pair: &Pair) -> Result<Vec<f64>> {
-        let moved = RefCell::new(Vec::new());
-        let solve = |forces: &[f64]| {
-            let all = self.element.solve(forces);
-            // the torque is the last of the three
-            moved.borrow_mut().clone_from(&all);
-            all
-        };
-        section(pair, self.element.system.mesh, &solve)?;
-        Ok(moved.into_inner())
+        let [_, _, torque] = pair.section_loads(self.element.system.mesh, 0.0)?.unit;
+        Ok(self.element.solve(&torque))
     }
 
     /// Motion of the head's section under its own forces, so many `layers` from the end, with what these do to the nodes themselves.
@@ -149,7 +141,8 @@ fn whole_in_middle(pair: &Pair, material: &Material, length: f64) -> Result<Matr
     let supports = Supports { held: mesh.ends.clone(), ..Supports::default() };
     let element =
         Superelement::new(System::new(&mesh, *material, Formulation::IncompatibleModes, &supports)?)?;
-    let section = section(pair, &mesh, &|forces| element.solve(forces))?;
+    let loads = pair.section_loads(&mesh, 0.0)?;
+    let section = SectionMotion::new(&mesh, &loads, |forces| element.solve(forces));
     let nodes: Vec<Point3<f64>> = mesh.contact.nodes.iter().map(|&node| mesh.nodes[node]).collect();
     let surface = RunningSurface {
         compliance: &section.relative(&element.compliance),
@@ -158,11 +151,6 @@ fn whole_in_middle(pair: &Pair, material: &Material, length: f64) -> Result<Matr
         half_space: HalfSpace::new(material, Side::Base),
     };
     Ok(surface.section(pair.node_line()).flexibility + of_section(pair, &section, &mesh.contact))
-}
-
-/// The motion of the section in the middle of a solid rail, of which `solve` has the displacements under forces.
-fn section(pair: &Pair, mesh: &HexMesh, solve: &dyn Fn(&[f64]) -> Vec<f64>) -> Result<SectionMotion> {
-    SectionMotion::new(mesh, solve, &pair.shear_stresses, &pair.placed, pair.node_line(), 0.0)
 }
 
 /// What of the motion of the head under its own forces is that of the section under it: the head under the forces of a beam on the section, the section under those of the head, and what is in both.
