@@ -8,6 +8,7 @@
 mod dense;
 mod products;
 mod mirrored;
+mod left;
 mod elimination;
 mod factor;
 mod size;
