@@ -1,5 +1,5 @@
 //! One case in a hundred on its own bodies as well. Where there is room for it, they are made one after the other beside the places of the other cases, or else
-//! before all others: the factor of a wheel takes more memory than all else.
+//! before all others: the elimination of a wheel takes much memory.
 
 use railspring_profiles::error::{Error, Result};
 use rayon::prelude::*;

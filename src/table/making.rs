@@ -337,12 +337,12 @@ impl CaseWork<'_> {
         Ok(prepared)
     }
 
-    /// What there is room for beside the bodies of the case.
+    /// What is in memory at the same time while the case is made.
     ///
     /// # Errors
     /// As [`Self::meshed`].
-    pub fn room_of_bodies(&self) -> Result<Room> {
-        self.prepared().map(|prepared| self.room(prepared.beside))
+    pub fn memory(&self) -> Result<Beside> {
+        self.prepared().map(|prepared| prepared.beside)
     }
 
     /// What the meshes tell. Coarser ones that cannot be made have no bodies: the place says why.

@@ -21,7 +21,7 @@ use super::making::{CaseWork, PlaceRecord, Ready, Settings};
 use super::shared::{Common, nominals, shares, wanted_on_standards};
 use super::turns::{Pairs, in_turn};
 use crate::engine::store::Store;
-use crate::results::bodies::estimate::{self, GIB, Resources, Room, Work};
+use crate::results::bodies::estimate::{self, Beside, GIB, Resources, Room, Work};
 use crate::results::bodies::geometry;
 use crate::results::bodies::input::SolidsInput;
 use crate::study::parts as parts_of;
@@ -232,11 +232,17 @@ impl<'a> Places<'a> {
         let room = Room::of(estimate.beside, self.resources.budget);
         // the places of a pair are pressed beside the making of the next bodies
         let has_others = on_own.len() < missing.len();
-        let is_beside = bodies > 2 || !on_own.is_empty() && has_others && room.condensing && threads > 1.0;
+        let is_beside = bodies > 2
+            || !on_own.is_empty() && has_others && self.has_room_for(estimate.beside) && threads > 1.0;
         let beside = estimate.stages.get(1).filter(|_| is_beside).map_or(0.0, |stage| stage.memory);
         let together = if room.condensing { estimate.beside.condensing } else { 0.0 };
         let memory = estimate.memory().max(together) + beside + CASE * self.table.cases.len() as f64;
         Ok(Some((0.5 * condensed as f64 * estimate.condensing_seconds + pressed, memory)))
+    }
+
+    /// Whether there is room for the making of bodies beside the places of other pairs, and for all cases.
+    fn has_room_for(&self, beside: Beside) -> bool {
+        self.resources.budget.holds(beside.together() + CASE * self.table.cases.len() as f64)
     }
 
     /// Whether a case is pressed on its own bodies as well.
@@ -356,8 +362,8 @@ impl Making<'_, '_> {
         self.monitor.progress("", 0, 0)
     }
 
-    /// A thread on which the pairs are pressed on their own bodies beside the places of others: the factors of one body after the other leave threads idle, but they take more memory than all
-    /// else. None where there is no room for two of them, or one thread.
+    /// A thread on which the pairs are pressed on their own bodies beside the places of others: bodies one after the other leave threads idle, but they take much
+    /// memory. None where there is no room for them, or one thread.
     ///
     /// # Errors
     /// An interruption.
@@ -365,8 +371,8 @@ impl Making<'_, '_> {
         if self.wants.cases.is_empty() || rayon::current_num_threads() < 2 {
             return Ok(None);
         }
-        let room = unless_interrupted(self.case(0).with_bodies(|case| case.room_of_bodies()))?;
-        if !room.is_ok_and(|rooms| rooms.iter().all(|room| room.condensing)) {
+        let memory = unless_interrupted(self.case(0).with_bodies(|case| case.memory()))?;
+        if !memory.is_ok_and(|of_bodies| of_bodies.iter().all(|beside| self.places.has_room_for(*beside))) {
             return Ok(None);
         }
         // the bodies that all have in common, before there is another factor; what is wrong with the case is reported with its places

@@ -61,6 +61,11 @@ impl Budget {
         }
     }
 
+    /// Whether so many bytes may be used; where the system does not say, all may.
+    pub fn holds(self, bytes: f64) -> bool {
+        self.bytes().is_none_or(|(budget, _)| bytes <= budget)
+    }
+
     /// Refuses sizes of elements that this machine cannot hold by far, before a mesh is made.
     ///
     /// # Errors
@@ -373,6 +378,9 @@ mod tests {
         assert!(Room::MARGIN * condensing > need.memory() && stages > need.memory(), "{:?}", need.beside);
         let least = Room::MARGIN * condensing.min(stages);
         assert_ne!(room(1.001 * least), Room::default());
+        let together = need.beside.together();
+        let holds = |bytes: f64| Budget::new(Some(bytes / GIB)).holds(together);
+        assert!(together > condensing.max(stages) && holds(1.001 * together) && !holds(0.999 * together));
     }
 
     /// Goal: a study that needs more than there is is refused by the first look (elements of 0.5 mm, which need twenty times

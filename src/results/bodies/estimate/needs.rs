@@ -107,6 +107,13 @@ pub struct Beside {
     pub stages: f64,
 }
 
+impl Beside {
+    /// Where the bodies of a pair are made beside the stages of another one.
+    pub fn together(self) -> f64 {
+        self.condensing + self.stages
+    }
+}
+
 impl Estimate {
     /// What the stages of a study take on these meshes.
     ///
