@@ -236,13 +236,18 @@ impl<'a> Places<'a> {
             || !on_own.is_empty() && has_others && self.has_room_for(estimate.beside) && threads > 1.0;
         let beside = estimate.stages.get(1).filter(|_| is_beside).map_or(0.0, |stage| stage.memory);
         let together = if room.condensing { estimate.beside.condensing } else { 0.0 };
-        let memory = estimate.memory().max(together) + beside + CASE * self.table.cases.len() as f64;
+        let memory = estimate.memory().max(together) + beside + self.of_cases();
         Ok(Some((0.5 * condensed as f64 * estimate.condensing_seconds + pressed, memory)))
     }
 
     /// Whether there is room for the making of bodies beside the places of other pairs, and for all cases.
     fn has_room_for(&self, beside: Beside) -> bool {
-        self.resources.budget.holds(beside.together() + CASE * self.table.cases.len() as f64)
+        self.resources.budget.holds(beside.together() + self.of_cases())
+    }
+
+    /// Bytes of all cases.
+    fn of_cases(&self) -> f64 {
+        CASE * self.table.cases.len() as f64
     }
 
     /// Whether a case is pressed on its own bodies as well.
@@ -375,7 +380,7 @@ impl Making<'_, '_> {
         if !memory.is_ok_and(|of_bodies| of_bodies.iter().all(|beside| self.places.has_room_for(*beside))) {
             return Ok(None);
         }
-        // the bodies that all have in common, before there is another factor; what is wrong with the case is reported with its places
+        // the bodies that all have in common, before another one is made; what is wrong with the case is reported with its places
         unless_interrupted(self.case(0).ready())?.ok();
         Ok(ThreadPoolBuilder::new().num_threads(1).build().ok())
     }
